@@ -198,24 +198,22 @@ static double turn_pulled(double angle)
     return min_of(min_of(angle, TURN_PULLED), max_of(0.0, 0.5 * ANGLE_TURN - angle));
 }
 
-double dpti_proxy_pull_excess(double angle)
+struct displacement dpti_proxy_pulled(const struct displacement *displacement)
 {
-    const double pulled = turn_pulled(angle), falls_from = 0.5 * ANGLE_TURN - TURN_PULLED;
-    if (!(angle > TURN_PULLED))
-        return 0.0;
-    if (angle <= falls_from)
-        return TURN_PULLED * (angle - TURN_PULLED);
-    return TURN_PULLED * falls_from - pulled * pulled;
+    struct displacement pulled = *displacement;
+    const double angle = length(pulled.turn);
+    if (angle > TURN_PULLED)
+        pulled.turn = scaled(pulled.turn, turn_pulled(angle) / angle);
+    return pulled;
 }
 
-struct displacement dpti_proxy_pull(const struct proxy *proxy, const struct proxy_pose *from,
-                                    const struct proxy_pose *to)
+double dpti_proxy_stored_beyond(const struct displacement *displacement)
 {
-    struct displacement moved = dpti_proxy_displacement(proxy, from, to);
-    const double angle = length(moved.turn);
-    if (angle > TURN_PULLED)
-        moved.turn = scaled(moved.turn, turn_pulled(angle) / angle);
-    return moved;
+    const double angle = length(displacement->turn), falls_from = 0.5 * ANGLE_TURN - TURN_PULLED;
+    const double pulled = turn_pulled(angle);
+    if (!(angle > TURN_PULLED))
+        return 0.0;
+    return angle <= falls_from ? TURN_PULLED * (angle - TURN_PULLED) : TURN_PULLED * falls_from - pulled * pulled;
 }
 
 void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at, vec3 axes[3])

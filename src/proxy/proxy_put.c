@@ -40,7 +40,7 @@ void dpti_proxy_doubt_unseen_motion(const struct dpt_world *world, struct proxy 
         return;
     /* Its last tick's motion is swept. */
     const double unseen = world_body_path(world) - world_body_motion(world) - proxy->body_path;
-    if (proxy->gap > unseen + 2.0 * dpti_proxy_clearance(world)) {
+    if (proxy->gap > unseen + proxy->min_gap) {
         proxy->gap -= unseen;
         return;
     }

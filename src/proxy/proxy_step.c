@@ -51,11 +51,12 @@ enum { PUSHES_MAX = 4 };
 /* m/s: how fast a proxy may move, beyond twice the device's motion, when what held it is gone (a fold). */
 #define FOLD_SPEED 1.0
 
-/* The displacement that is wanted, as unknowns; returns its length. */
+/* The displacement to which the spring pulls, as unknowns; returns its length. */
 static double wanted_motion(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
 {
-    dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
-    return displacement_norm(&tick->proxy->coupling, left);
+    const struct displacement pulled = dpti_proxy_pulled(left);
+    dpti_proxy_to_unknowns(tick->proxy, tick->axes, &pulled, wanted);
+    return displacement_norm(&tick->proxy->coupling, &pulled);
 }
 
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
@@ -105,30 +106,25 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
     }
 }
 
-/* m^2: what a motion adds to the squared distance of the poses, halved, beyond that of their pulls. */
-static double turn_rise(const struct proxy_tick *tick, const struct proxy_pose *to)
-{
-    const double rho = tick->proxy->coupling.rho;
-    const struct displacement now = dpti_proxy_displacement(tick->proxy, &tick->at, &tick->goal);
-    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
-    return rho * rho * (dpti_proxy_pull_excess(length(then.turn)) - dpti_proxy_pull_excess(length(now.turn)));
-}
-
 /*
  * The share of a motion that comes nearest to the device: where a surface curves under the tool, a longer motion along
- * it gains less. A parabola tells, by the squared distance from the device at both ends and its slope at the first.
+ * it gains less. A parabola tells, by what the spring stores at both ends, as a squared distance, and its slope at the
+ * first.
  */
-static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
-                         const double *straight, double left, double share)
+static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const struct displacement *now,
+                         const double *wanted, const double *straight, double left, double share)
 {
-    const struct displacement then = dpti_proxy_pull(tick->proxy, to, &tick->goal);
-    const double far = displacement_norm(&tick->proxy->coupling, &then);
+    const struct coupling *coupling = &tick->proxy->coupling;
+    const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
+    const struct displacement pulled = dpti_proxy_pulled(&then);
+    const double beyond = dpti_proxy_stored_beyond(&then) - dpti_proxy_stored_beyond(now);
+    const double far = displacement_norm(coupling, &pulled);
     /* So much may be lost to regain the clearance. */
     const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
     double slope = -slack;
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
         slope -= wanted[k] * straight[k];
-    const double rise = 0.5 * (far * far - left * left) + turn_rise(tick, to), spare = slack * share;
+    const double rise = 0.5 * (far * far - left * left) + coupling->rho * coupling->rho * beyond, spare = slack * share;
     if (slope >= 0.0)
         return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
     const double bend = (rise - spare - slope * share) / (share * share);
@@ -252,7 +248,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     if (size <= longest && is_goal(tick, share)) {
         motion->to = tick->goal;
     } else if (!tick->is_before && share > 0.0) {
-        share = best_share(tick, &motion->to, wanted, straight, left, share);
+        share = best_share(tick, &motion->to, displacement, wanted, straight, left, share);
         motion->to = pose_of_motion(tick, straight, share);
     }
     remember_active(tick);
@@ -322,9 +318,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     const struct displacement left = dpti_proxy_displacement(proxy, &from, &tick->goal);
     if (go_to_goal(tick, &left, *allowed))
         return FOLLOW_DONE;
-    const struct displacement pull = dpti_proxy_pull(proxy, &from, &tick->goal);
     const int goes_to_end = choose_end(tick, *allowed, &motion);
-    const int choice = goes_to_end ? FOLLOW_MOVED : choose_motion(tick, &pull, *allowed, &motion);
+    const int choice = goes_to_end ? FOLLOW_MOVED : choose_motion(tick, &left, *allowed, &motion);
     tick->dented = dent_allowed(tick, goes_to_end);
     if (choice != FOLLOW_MOVED)
         return choice;

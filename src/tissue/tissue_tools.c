@@ -49,8 +49,9 @@ static int touches_are_hard(const struct dpt_world *world, const struct touches 
 static void unknowns_of(const struct tissue_tool *tool, const dpt_pose *pose, double *unknowns)
 {
     const struct proxy_pose to = dpti_proxy_pose_of(tool->proxy, pose);
-    const struct displacement way = dpti_proxy_pull(tool->proxy, &tool->at, &to);
-    dpti_proxy_to_unknowns(tool->proxy, tool->axes, &way, unknowns);
+    const struct displacement way = dpti_proxy_displacement(tool->proxy, &tool->at, &to);
+    const struct displacement pulled = dpti_proxy_pulled(&way);
+    dpti_proxy_to_unknowns(tool->proxy, tool->axes, &pulled, unknowns);
 }
 
 /*
