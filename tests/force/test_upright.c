@@ -4,6 +4,7 @@
  * force 2 K_r / L it stands; beyond it leans, lies down in front of the surface, and is led back when the hand lifts.
  */
 #include "force/side_scene.h"
+#include "proxy/place_visit.h"
 
 enum { SHEET = 0, GROOVE = 1 };
 
@@ -98,7 +99,7 @@ static double wrench_apart(const dpt_wrench *a, const dpt_wrench *b, double rho)
 }
 
 /* J: of the wrench, about the frame's origin, over one step of the device, which does not turn. */
-static double work_of(const dpt_wrench *before, const dpt_wrench *now, const double step[3])
+static double work_of_shift(const dpt_wrench *before, const dpt_wrench *now, const double step[3])
 {
     double work = 0;
     for (int k = 0; k < 3; k++)
@@ -126,7 +127,7 @@ static void lead_down(int shape, double length, double stiffness, double deep)
                   1e3 * length, tick, jump);
             if (!side_scene_judge(&scene))
                 break;
-            work += work_of(&before, &scene.rig.force.wrench, step);
+            work += work_of_shift(&before, &scene.rig.force.wrench, step);
             energy = fmax(energy, scene.rig.force.energy);
             most_turned = fmax(most_turned, lean_of(&scene.rig));
         }
@@ -151,6 +152,45 @@ static void so_it_does_in_a_groove_of_60_degrees(void)
 {
     for (int i = 1; i < LENGTHS; i++)
         lead_down(GROOVE, lengths[i], 500, 1.3);
+}
+
+/*
+ * Down, to and fro, turning, and up again, by paths that close: energy as the spring stores it, and no work is won, though
+ * the tool lies far turned from the device meanwhile.
+ */
+static void no_path_on_which_it_topples_gives_work(void)
+{
+    static const dpt_segment stylus = { { 0, 0, 0 }, { 0, 0, 0.05 }, 0.001 };
+    struct solid sheet;
+    double most_turned = 0;
+    uint64_t seed = 5;
+    if (!solid_from_shape(&sheet, "membrane", 512))
+        return;
+    for (int path = 0; path < 12; path++) {
+        struct visit visit;
+        double axis[3], side[3], turn = random_in(&seed, 0.1, 0.8), aside = random_in(&seed, 0, 0.02);
+        random_unit(&seed, axis);
+        random_unit(&seed, side);
+        visit_open(&visit, "stylus", &stylus, 1);
+        visit_add(&visit, &sheet, NULL);
+        for (int tick = 0; tick <= 3000; tick++) {
+            const double share = sin(3.14159265358979 * tick / 3000),
+                         swing = share * sin(6.28318530717959 * tick / 1000);
+            for (int k = 0; k < 3; k++)
+                visit.rig.device.position[k] =
+                    (k == 2 ? 0.003 - 0.06 * share : 0) + (k < 2 ? aside * swing * side[k] : 0);
+            pose_orient(&visit.rig.device, axis, turn * swing);
+            if (tick == 0)
+                visit_begin(&visit);
+            visit_tick(&visit);
+            most_turned = fmax(most_turned, angle_apart(&visit, &visit.rig.proxy, &visit.rig.device));
+        }
+        visit_end(&visit);
+        CHECK(!visit.is_replaced, "path %d: it was put", path);
+        visit_close(&visit);
+    }
+    CHECK(most_turned > 1.5, "turned by %g rad at most", most_turned);
+    solid_close(&sheet);
 }
 
 /* 15 N times half of the length holds it with a small lean, whatever its length and the spring's stiffness. */
@@ -181,6 +221,7 @@ int main(void)
     TEST(it_buckles_where_the_formula_says);
     TEST(one_that_topples_lies_in_front_and_is_led_back);
     TEST(so_it_does_in_a_groove_of_60_degrees);
+    TEST(no_path_on_which_it_topples_gives_work);
     TEST(a_stiffness_against_turns_holds_it_up_to_10_newtons);
     return check_report();
 }
