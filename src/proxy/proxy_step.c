@@ -163,7 +163,7 @@ static int gather_and_solve(struct proxy_tick *tick, const double *wanted, doubl
 /* Whether the motion leads to the device itself. Then the proxy takes the device's pose, bit for bit. */
 static int is_goal(const struct proxy_tick *tick, double share)
 {
-    return tick->solved.active_count == 0 && share == 1.0;
+    return tick->solved.active_count == 0 && share == 1.0 && !(tick->is_before && tick->only_aside);
 }
 
 /* In the open, where nothing can be met on any path, the proxy goes to the device at once. */
@@ -225,6 +225,8 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     proxy->lag = left;
     if (left == 0.0 && !tick->is_before)
         return FOLLOW_DONE;
+    if (tick->is_before && tick->only_aside)
+        memset(wanted, 0, sizeof wanted);
     if (!gather_and_solve(tick, wanted, left)) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         return FOLLOW_STUCK;
@@ -355,6 +357,13 @@ static void find_again(struct proxy_tick *tick)
     tick->gap = max_of(tick->gap, proven);
 }
 
+/* From now on, motions lead out of the way of bodies alone: they are shorter, and seldom meet anything. */
+static void step_aside(struct proxy_tick *tick)
+{
+    tick->only_aside = 1;
+    tick->lift = tick->clearance;
+}
+
 /* Make motions until iterations, work or `*allowed` end: how far the proxy may still move. */
 static void follow_all(struct proxy_tick *tick, double *allowed)
 {
@@ -365,6 +374,8 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
         int result = follow_once(tick, allowed);
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) && dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
+        if (tick->is_before && i + 1 == PUSHES_MAX)
+            step_aside(tick);
         if (result == FOLLOW_DONE) {
             tick->is_settled = 1;
             return;

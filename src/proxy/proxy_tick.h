@@ -60,6 +60,7 @@ struct proxy_tick {
     double time;      /* 0..1 */
     double made;      /* the share that was made of the last motion that was solved for */
     double lift;      /* m: while is_before, added to the clearance of contacts */
+    int only_aside;   /* while is_before, no way to the goal was found: motions lead out of the bodies' way alone */
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
     int is_moved;     /* a motion was made in this tick */
