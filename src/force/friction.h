@@ -9,7 +9,7 @@
 
 #include "force/half_spaces.h"
 
-/* One contact; all lengths in m. */
+/* One contact; all lengths in m. Vectors are 0 beyond the dimensions in use. */
 struct friction_contact {
     uint32_t place; /* the number of the first contact at the same place: its own where it is alone, or the first */
     double share;   /* of all that its place holds, 0..1: 1 where it is alone */
@@ -29,45 +29,34 @@ struct friction_contact {
     double inverse[2][2], per_square; /* the solver's own */
 };
 
+/* Pulls that hold a motion together with the constraints that hold it. */
+struct friction_problem {
+    struct friction_contact *contacts;
+    const uint32_t *contact_spaces; /* the constraint of each contact, an active one */
+    uint32_t count;
+    const struct half_space *spaces;
+    const struct half_spaces_result *solved; /* multipliers that were found with other pulls */
+    const double *goal;                      /* without pulls */
+    uint32_t dimensions;
+};
+
 /*
  * Contacts at one place, such as a tip on two coplanar triangles, act as one contact: at their mean position, with the
  * sum of their limits, of which each has its share. Their tangents have the same directions.
  *
- * The pulls of all contacts, at given multipliers, by projected Gauss-Seidel: with
+ * One pass between motion and pulls. With
  *     y = goal + sum of multiplier * normal + sum of pull . across + torsion about
- * each contact is to move by -slip and turn by -turned, as far as its limits allow. It begins with the contacts' pulls;
- * if `is_first`, with the load divided in proportion to the limits.
+ * each contact is to move by -slip and turn by -turned, as far as its limits allow; one that sticks yields by a
+ * thousandth of its pull. The pulls begin as the contacts have them; if `is_first`, with the load divided in proportion to
+ * the limits.
+ *
+ * `pulled` is the goal with the pulls with which `solved` was found. If it differs from the one with the pulls at these
+ * multipliers by at most `settled`, returns 1. Otherwise it becomes the one to solve for next, where Newton's method on
+ * multipliers and pulls together leads, and 0 is returned. Contacts have its pulls then.
  */
-void dpti_friction_pulls(struct friction_contact *contacts, uint32_t count, uint32_t dimensions, const double *goal,
-                         int is_first);
-
-/*
- * Where all contacts are at one place, and stick there: the planes on which they hold the motion, and in `pulled` the
- * goal with what they pull with beside. Returns how many planes there are; 0 otherwise.
- */
-enum { FRICTION_PLANES_MAX = 3 };
-uint32_t dpti_friction_planes(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
-                              const double *goal, struct half_space planes[FRICTION_PLANES_MAX], double *pulled);
+int dpti_friction_pass(const struct friction_problem *problem, int is_first, double settled, double *pulled);
 
 /* sum += share * (pull . across + torsion about) */
-void dpti_friction_add(const struct friction_contact *contact, double share, uint32_t dimensions, double *sum);
-
-/* goal + sum of pull . across + torsion about */
-void dpti_friction_goal(const struct friction_contact *contacts, uint32_t count, uint32_t dimensions,
-                        const double *goal, double *pulled);
-
-/* ---- compliant surfaces: springs in series with the coupling ---- */
-
-/*
- * half_spaces.h finds y = goal + sum of m normal for hard constraints. Where constraint i may be violated by v at the
- * cost of v^2 / (2 c), c its compliance, the multipliers are those m' >= 0 with
- *     (N + diag(c)) m' = N m      N_ij = normal_i . normal_j
- * for those that are not 0.
- *
- * Adds sum of (m - m') normal to `yielded`, and sets each share = m' / m, of the active constraints in their order.
- * Compliances are >= 0. Returns what the constraints store, sum of c m'^2 / 2.
- */
-double dpti_yield(const struct half_space *spaces, const struct half_spaces_result *hard, uint32_t dimensions,
-                  const double *compliance, double *share, double *yielded);
+void dpti_friction_add(const struct friction_contact *contact, double share, double sum[HALF_SPACE_DIMENSIONS]);
 
 #endif

@@ -14,7 +14,6 @@ enum { ITERATIONS_MAX = 64 };
 struct solver {
     const struct half_space *spaces;
     uint32_t count, n;
-    uint32_t held_count; /* of the active ones, the first: equations, which never leave */
     struct half_spaces_result *result;
     /* Orthonormal rows q and the upper triangle r with normal[active[k]] = sum over j <= k of r[j][k] q[j]. */
     double q[HALF_SPACE_DIMENSIONS][HALF_SPACE_DIMENSIONS];
@@ -24,18 +23,17 @@ struct solver {
 /* Split a normal into its part along the active ones, with coefficients in `along`, and the rest; returns |rest|^2. */
 static double split(const struct solver *solver, const double *normal, double *along, double *rest)
 {
-    const uint32_t n = solver->n, active = solver->result->active_count;
-    memcpy(rest, normal, n * sizeof *rest);
+    const uint32_t active = solver->result->active_count;
+    memcpy(rest, normal, HALF_SPACE_DIMENSIONS * sizeof *rest);
     memset(along, 0, active * sizeof *along);
     /* Twice: once more removes what rounding left of nearly dependent normals. */
     for (int pass = 0; pass < 2; pass++)
         for (uint32_t j = 0; j < active; j++) {
-            const double part = product_of(solver->q[j], rest, n);
+            const double part = whole_product_of(solver->q[j], rest);
             along[j] += part;
-            for (uint32_t k = 0; k < n; k++)
-                rest[k] -= part * solver->q[j][k];
+            whole_add(rest, -part, solver->q[j]);
         }
-    return product_of(rest, rest, n);
+    return whole_product_of(rest, rest);
 }
 
 static void append(struct solver *solver, uint32_t space, const double *along, const double *rest, double square)
@@ -46,7 +44,7 @@ static void append(struct solver *solver, uint32_t space, const double *along, c
     for (uint32_t j = 0; j < at; j++)
         solver->r[j][at] = along[j];
     solver->r[at][at] = size;
-    for (uint32_t k = 0; k < solver->n; k++)
+    for (int k = 0; k < HALF_SPACE_DIMENSIONS; k++)
         solver->q[at][k] = rest[k] / size;
 }
 
@@ -72,8 +70,8 @@ static uint32_t most_violated(const struct solver *solver, double tolerance)
     double lowest = -tolerance;
     for (uint32_t i = 0; i < solver->count; i++) {
         const struct half_space *space = &solver->spaces[i];
-        const double size = norm_of(space->normal, solver->n);
-        const double slack = (product_of(space->normal, solver->result->y, solver->n) - space->bound) / size;
+        const double missing = whole_product_of(space->normal, solver->result->y) - space->bound;
+        const double slack = missing * space->per_length;
         if (slack < lowest) {
             lowest = slack;
             worst = i;
@@ -98,7 +96,7 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
 {
     struct half_spaces_result *result = solver->result;
     const struct half_space *added = &solver->spaces[space];
-    const double whole = product_of(added->normal, added->normal, solver->n);
+    const double whole = whole_product_of(added->normal, added->normal);
     double multiplier = 0.0;
     for (; *left > 0; --*left) {
         double along[HALF_SPACE_DIMENSIONS], rest[HALF_SPACE_DIMENSIONS];
@@ -108,19 +106,19 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
         shares_of(solver, along, share);
         double step = DBL_MAX;
         uint32_t leaves = HALF_SPACE_DIMENSIONS;
-        for (uint32_t k = solver->held_count; k < result->active_count; k++)
+        for (uint32_t k = 0; k < result->active_count; k++)
             if (share[k] > 0.0 && result->multiplier[k] / share[k] < step) {
                 step = result->multiplier[k] / share[k];
                 leaves = k;
             }
         if (is_dependent && leaves == HALF_SPACE_DIMENSIONS)
             return 0;
-        const double missing = added->bound - product_of(added->normal, result->y, solver->n);
+        const double missing = added->bound - whole_product_of(added->normal, result->y);
         const double full = is_dependent ? DBL_MAX : missing / square;
         const int is_full = full <= step;
         step = is_full ? full : step;
-        for (uint32_t k = 0; k < solver->n && !is_dependent; k++)
-            result->y[k] += step * rest[k];
+        if (!is_dependent)
+            whole_add(result->y, step, rest);
         for (uint32_t k = 0; k < result->active_count; k++)
             result->multiplier[k] -= step * share[k];
         multiplier += step;
@@ -134,35 +132,24 @@ static int satisfy(struct solver *solver, uint32_t space, int *left)
     return 0;
 }
 
-/* An equation holds whatever its multiplier's sign is. One that depends on others is left out. */
-static void hold(struct solver *solver, const struct half_space *plane)
+/* Make a constraint hold as an equation, whatever its multiplier is. One that depends on others is left out: 0. */
+static int hold(struct solver *solver, uint32_t space)
 {
     struct half_spaces_result *result = solver->result;
+    const struct half_space *plane = &solver->spaces[space];
     double along[HALF_SPACE_DIMENSIONS], rest[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
     const uint32_t at = result->active_count;
     const double square = split(solver, plane->normal, along, rest);
-    if (at == solver->n || !(square > DEPENDENCE * product_of(plane->normal, plane->normal, solver->n)))
-        return;
-    const double step = (plane->bound - product_of(plane->normal, result->y, solver->n)) / square;
+    if (at == solver->n || !(square > DEPENDENCE * whole_product_of(plane->normal, plane->normal)))
+        return 0;
+    const double step = (plane->bound - whole_product_of(plane->normal, result->y)) / square;
     shares_of(solver, along, share);
-    for (uint32_t k = 0; k < solver->n; k++)
-        result->y[k] += step * rest[k];
+    whole_add(result->y, step, rest);
     for (uint32_t k = 0; k < at; k++)
         result->multiplier[k] -= step * share[k];
     result->multiplier[at] = step;
-    append(solver, solver->count, along, rest, square);
-    solver->held_count++;
-}
-
-/* The equations are no part of the answer but for what they hold. */
-static void take_out_held(const struct solver *solver, double *held)
-{
-    struct half_spaces_result *result = solver->result;
-    const uint32_t first = solver->held_count;
-    memcpy(held, result->multiplier, first * sizeof *held);
-    result->active_count -= first;
-    memmove(result->active, result->active + first, result->active_count * sizeof *result->active);
-    memmove(result->multiplier, result->multiplier + first, result->active_count * sizeof *result->multiplier);
+    append(solver, space, along, rest, square);
+    return 1;
 }
 
 static int satisfy_all(struct solver *solver, double tolerance)
@@ -185,20 +172,43 @@ static struct solver solver_of(const struct half_space_problem *problem, struct 
     return (struct solver){ .spaces = problem->spaces, .count = problem->count, .n = n, .result = result };
 }
 
-int dpti_half_spaces_nearest(const struct half_space_problem *problem, struct half_spaces_result *result)
+/* Which of the active inequalities pulls most; active_count where none does. */
+static uint32_t most_pulling(const struct solver *solver)
 {
-    struct solver solver = solver_of(problem, result);
-    return satisfy_all(&solver, problem->tolerance);
+    const struct half_spaces_result *result = solver->result;
+    uint32_t worst = result->active_count;
+    double lowest = 0.0;
+    for (uint32_t k = 0; k < result->active_count; k++)
+        if (!(result->multiplier[k] > lowest)) {
+            lowest = result->multiplier[k];
+            worst = k;
+        }
+    return worst;
 }
 
-int dpti_half_spaces_nearest_on(const struct half_space_problem *problem, const struct half_space *planes,
-                                uint32_t plane_count, double *held, struct half_spaces_result *result)
+/* Of the constraints to try first those that push when they hold together. */
+static struct solver begin(const struct half_space_problem *problem, struct half_spaces_result *result)
 {
-    struct solver solver = solver_of(problem, result);
-    for (uint32_t i = 0; i < plane_count; i++)
-        hold(&solver, &planes[i]);
-    if (solver.held_count < plane_count || !satisfy_all(&solver, problem->tolerance))
-        return 0;
-    take_out_held(&solver, held);
-    return 1;
+    uint32_t first[HALF_SPACE_DIMENSIONS], count = problem->first_count;
+    for (uint32_t i = 0; i < count; i++)
+        first[i] = problem->first[i];
+    for (;;) {
+        struct solver solver = solver_of(problem, result);
+        uint32_t kept = 0;
+        for (uint32_t i = 0; i < count; i++)
+            if (hold(&solver, first[i]))
+                first[kept++] = first[i];
+        const uint32_t worst = most_pulling(&solver);
+        if (worst == result->active_count)
+            return solver;
+        count = kept - 1;
+        for (uint32_t i = worst; i < count; i++)
+            first[i] = first[i + 1];
+    }
+}
+
+int dpti_half_spaces_nearest(const struct half_space_problem *problem, struct half_spaces_result *result)
+{
+    struct solver solver = begin(problem, result);
+    return satisfy_all(&solver, problem->tolerance);
 }

@@ -111,6 +111,7 @@ static void add_space(struct proxy_tick *tick, const struct held_pair *held, con
     vec3_store(normal, space->normal);
     for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
         space->normal[k] = dot(lever, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
+    half_space_measure(space, proxy_unknowns(tick->proxy));
     struct proxy_source *source = &tick->sources[number];
     *source = (struct proxy_source){
         .triangle = held->triangle, .feature = held->feature, .s = held->found->s, .gap = held->gap, .p = p

@@ -3,6 +3,7 @@
 
 #include "base/wrench_limit.h"
 #include "force/friction.h"
+#include "force/yield.h"
 #include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_friction.h"
@@ -58,7 +59,7 @@ static void yield_pulls(const struct proxy_tick *tick, const double *share, doub
     for (uint32_t i = 0; i < tick->contact_count; i++)
         for (uint32_t k = 0; k < tick->solved.active_count; k++)
             if (tick->solved.active[k] == tick->contact_spaces[i])
-                dpti_friction_add(&tick->contacts[i], 1.0 - share[k], proxy_unknowns(tick->proxy), yielded);
+                dpti_friction_add(&tick->contacts[i], 1.0 - share[k], yielded);
 }
 
 void dpti_proxy_yield(struct proxy_tick *tick)

@@ -27,29 +27,16 @@ static int is_short(const struct proxy_tick *tick, const struct half_spaces_resu
 
 static struct half_space_problem problem_of(const struct proxy_tick *tick, const double *wanted)
 {
-    return (struct half_space_problem){ tick->spaces, tick->space_count, proxy_unknowns(tick->proxy), wanted,
-                                        TOLERANCE * tick->clearance };
+    return (struct half_space_problem){
+        tick->spaces,        tick->space_count,        proxy_unknowns(tick->proxy), wanted, TOLERANCE * tick->clearance,
+        tick->solved.active, tick->solved.active_count
+    };
 }
 
 static int nearest(struct proxy_tick *tick, const double *wanted)
 {
     const struct half_space_problem problem = problem_of(tick, wanted);
     return dpti_half_spaces_nearest(&problem, &tick->solved);
-}
-
-/*
- * The motion nearest to the wanted one on some planes (half_spaces.h) that meets all constraints. 0, and nothing is
- * changed, if there is none.
- */
-static int solve_stuck(struct proxy_tick *tick, const double *wanted, const struct half_space *planes,
-                       uint32_t plane_count, double *held)
-{
-    const struct half_space_problem problem = problem_of(tick, wanted);
-    struct half_spaces_result solved;
-    if (!dpti_half_spaces_nearest_on(&problem, planes, plane_count, held, &solved) || !is_short(tick, &solved, wanted))
-        return 0;
-    tick->solved = solved;
-    return 1;
 }
 
 /*
@@ -79,7 +66,7 @@ static int solve(struct proxy_tick *tick, const double *wanted)
 enum { PASSES_MAX = 6 };
 
 /* As a share of the clearance: passes end when the goal moves by less. */
-#define SETTLED 1e-3
+#define SETTLED 1e-2
 
 /* For how many ticks a contact that holds nothing is kept, as features change under a tool that slides. */
 #define AGE_MAX 2
@@ -217,6 +204,7 @@ static void fill_contact(struct proxy_tick *tick, uint32_t space, vec3 place_nor
     contact->coefficient = beside && beside->is_slipping ? body->kinetic_friction : body->static_friction;
     for (int d = 0; d < 2; d++) {
         const vec3 turn = cross(arm, tangents[d]);
+        memset(contact->across[d], 0, sizeof contact->across[d]);
         vec3_store(tangents[d], contact->across[d]);
         for (uint32_t k = 3; k < proxy_unknowns(tick->proxy); k++)
             contact->across[d][k] = dot(turn, tick->axes[k - 3]) / proxy_rho_of(tick->proxy, k);
@@ -324,66 +312,6 @@ static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
     return count;
 }
 
-/* How far two motions are apart in any unknown. */
-static double apart(const double *a, const double *b, uint32_t n)
-{
-    double max_difference = 0.0;
-    for (uint32_t k = 0; k < n; k++)
-        max_difference = max_of(max_difference, fabs(a[k] - b[k]));
-    return max_difference;
-}
-
-/* What the last passes tried and found, so that the next one can begin where these lead. */
-struct passes {
-    double found[HALF_SPACE_DIMENSIONS];  /* the last goal that was found */
-    double missed[HALF_SPACE_DIMENSIONS]; /* by how much it differed from the one that was tried */
-    int is_known;
-};
-
-/*
- * If passes converge slower than by half each, extrapolation would overshoot: the next begins where the last one ended.
- */
-#define LED_MAX 1.0
-
-/* The goal to try next, by a secant: where a line through this pass and the last one has no difference. */
-static void lead_on(struct passes *passes, const double *found, double *pulled, uint32_t n)
-{
-    double missed[HALF_SPACE_DIMENSIONS], step[HALF_SPACE_DIMENSIONS], part = 0.0;
-    for (uint32_t k = 0; k < n; k++) {
-        missed[k] = found[k] - pulled[k];
-        step[k] = missed[k] - passes->missed[k];
-    }
-    const double square = product_of(step, step, n);
-    if (passes->is_known && square > 0.0)
-        part = product_of(missed, step, n) / square;
-    if (fabs(part) > LED_MAX)
-        part = 0.0;
-    for (uint32_t k = 0; k < n; k++)
-        pulled[k] = found[k] - part * (found[k] - passes->found[k]);
-    memcpy(passes->found, found, n * sizeof *found);
-    memcpy(passes->missed, missed, n * sizeof *missed);
-    passes->is_known = 1;
-}
-
-/*
- * The next motion, with what friction pulls with. A place that sticks is held on planes, so that what it pulls with and
- * what pushes it are found at once: by turns, load would creep from one triangle under it to another.
- */
-static int solve_pulled(struct proxy_tick *tick, const double *wanted, uint32_t count, double *pulled)
-{
-    const uint32_t n = proxy_unknowns(tick->proxy);
-    struct half_space planes[FRICTION_PLANES_MAX];
-    double goal[HALF_SPACE_DIMENSIONS], held[HALF_SPACE_DIMENSIONS];
-    const uint32_t plane_count = dpti_friction_planes(tick->contacts, count, n, wanted, planes, goal);
-    if (!plane_count || !solve_stuck(tick, goal, planes, plane_count, held))
-        return solve(tick, pulled);
-    for (uint32_t i = 0; i < plane_count; i++)
-        for (uint32_t k = 0; k < n; k++)
-            goal[k] += held[i] * planes[i].normal[k];
-    memcpy(pulled, goal, n * sizeof *goal);
-    return 1;
-}
-
 /* What a contact pulls with, for the next motion. */
 static void note_pull(const struct proxy_tick *tick, uint32_t i)
 {
@@ -406,22 +334,22 @@ static void note_pulls(const struct proxy_tick *tick)
 
 int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
 {
-    const uint32_t n = proxy_unknowns(tick->proxy);
-    double pulled[HALF_SPACE_DIMENSIONS], next[HALF_SPACE_DIMENSIONS];
-    struct passes passes = { .is_known = 0 };
+    double pulled[HALF_SPACE_DIMENSIONS];
     uint32_t count = 0;
     tick->contact_count = 0;
     begin_pulled(tick, wanted, pulled);
+    tick->solved.active_count = 0;
     if (!solve(tick, pulled))
         return 0;
     for (int pass = 0; pass < PASSES_MAX; pass++) {
         count = list_contacts(tick, count);
-        dpti_friction_pulls(tick->contacts, count, n, wanted, pass == 0);
-        dpti_friction_goal(tick->contacts, count, n, wanted, next);
-        if (apart(next, pulled, n) <= SETTLED * tick->clearance)
+        const struct friction_problem problem = {
+            tick->contacts, tick->contact_spaces,       count, tick->spaces, &tick->solved,
+            wanted,         proxy_unknowns(tick->proxy)
+        };
+        if (dpti_friction_pass(&problem, pass == 0, SETTLED * tick->clearance, pulled))
             break;
-        lead_on(&passes, next, pulled, n);
-        if (!solve_pulled(tick, wanted, count, pulled))
+        if (!solve(tick, pulled))
             return 0;
     }
     tick->contact_count = count;

@@ -6,7 +6,7 @@
  */
 #include <math.h>
 
-#include "force/friction.h"
+#include "force/yield.h"
 #include "lib/check.h"
 
 enum { SPACES = 8, DESCENTS = 40000 };
@@ -55,6 +55,7 @@ static void random_case(uint64_t *seed, uint32_t n, struct half_space *spaces, d
         for (uint32_t k = 0; k < n; k++)
             spaces[i].normal[k] /= size;
         spaces[i].bound = random_in(seed, -0.5, 0);
+        half_space_measure(&spaces[i], n);
     }
     for (uint32_t k = 0; k < n; k++)
         goal[k] = random_in(seed, -3, 3);
@@ -72,7 +73,7 @@ static void the_energy_is_least(void)
         double compliance[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
         double yielded[HALF_SPACE_DIMENSIONS] = { 0 };
         random_case(&seed, n, spaces, goal);
-        if (!dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, SPACES, n, goal, 1e-9 }, &hard) ||
+        if (!dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, SPACES, n, goal, 1e-9, NULL, 0 }, &hard) ||
             !hard.active_count)
             continue;
         for (uint32_t k = 0; k < hard.active_count; k++)
@@ -100,7 +101,7 @@ static void what_is_hard_does_not_yield(void)
         double goal[HALF_SPACE_DIMENSIONS], share[HALF_SPACE_DIMENSIONS];
         double yielded[HALF_SPACE_DIMENSIONS] = { 0 };
         random_case(&seed, 6, spaces, goal);
-        if (!dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, SPACES, 6, goal, 1e-9 }, &hard))
+        if (!dpti_half_spaces_nearest(&(struct half_space_problem){ spaces, SPACES, 6, goal, 1e-9, NULL, 0 }, &hard))
             continue;
         const double stored = dpti_yield(spaces, &hard, 6, none, share, yielded);
         CHECK(stored == 0.0 && product(yielded, yielded, 6) < 1e-12, "case %d: %g stored", i, stored);

@@ -297,8 +297,10 @@ golden()
         '"records":20,.*"embedded":\[{"file":"scene","bytes":[0-9]*,"held":[0-9]*,"pieces":1,"crc32":[0-9]*,"fault":null}\]' stdout
     limited replay "$tests/golden/recording_1_scene.dpr" --json
     check "which replay opens: exit $status, $(cat stdout stderr)" grep -q '"records":' stdout
-    succeeds 'one of 0.2' replay "$tests/golden/recording_0_2.dpr" "$tests/golden/torus_6.dpa" --json
-    check "is replayed: $(cat stdout)" grep -q '"records":80,"ticks":80,"same":true' stdout
+    # Its friction is solved in another way since.
+    limited replay "$tests/golden/recording_0_2.dpr" "$tests/golden/torus_6.dpa" --json
+    check "one of 0.2 is replayed: exit $status, $(cat stdout)" grep -q '"records":[4-8][0-9],.*"end":"differs"' stdout
+    check "and told to be of another release: $(cat stderr)" grep -q 'release 0.2.0, .*: other bits are no fault' stderr
 }
 
 prepare_scenes
