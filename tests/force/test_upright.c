@@ -4,6 +4,7 @@
  * force 2 K_r / L it stands; beyond it leans, lies down in front of the surface, and is led back when the hand lifts.
  */
 #include "force/side_scene.h"
+#include "lib/fixture.h"
 #include "proxy/place_visit.h"
 
 enum { SHEET = 0, GROOVE = 1 };
@@ -154,6 +155,99 @@ static void so_it_does_in_a_groove_of_60_degrees(void)
         lead_down(GROOVE, lengths[i], 500, 1.3);
 }
 
+/* A membrane of springs, whose drag resists. */
+struct tissue {
+    struct rig rig;
+    struct fixture mesh;
+    dpt_body body;
+    dpt_springs *springs;
+};
+
+static int open_tissue(struct tissue *tissue, const dpt_segment *segment)
+{
+    const dpt_spring_net_def net = { .size = sizeof net,
+                                     .kind = DPT_NET_SHEET,
+                                     .young = 2e6,
+                                     .thickness = 5e-3,
+                                     .density = 4000.0,
+                                     .drag = 2000.0,
+                                     .viscosity = 1e-4 };
+    dpt_deformable_def deform;
+    dpt_springs_def springs;
+    *tissue = (struct tissue){ .body = 0 };
+    if (!rig_open(&tissue->rig, NULL, NULL, segment, 1) || !fixture_with_springs(&tissue->mesh, "membrane", 512, &net))
+        return 0;
+    dpt_deformable_def_init(&deform);
+    dpt_springs_def_init(&springs);
+    deform.mesh = springs.mesh = tissue->mesh.mesh;
+    for (int k = 0; k < 3; k++) {
+        deform.box_min[k] = -1.0;
+        deform.box_max[k] = 1.0;
+    }
+    tissue->body = rig_add_deformable(&tissue->rig, &deform);
+    tissue->springs = rig_add_springs(&tissue->rig, &springs);
+    return tissue->springs != NULL;
+}
+
+/* Whether a ray upwards from a point meets the membrane an even number of times. */
+static int is_over(const struct tissue *tissue, const double x[3])
+{
+    const float *vertices;
+    const uint32_t *corners;
+    uint32_t vertex_count, count;
+    int above = 0;
+    dpt_body_get_vertices(tissue->rig.world, tissue->body, &vertices, &vertex_count);
+    dpt_mesh_get_triangles(tissue->mesh.mesh, &corners, NULL, &count);
+    for (uint32_t t = 0; t < count; t++) {
+        double c[3][3];
+        for (int i = 0; i < 9; i++)
+            c[i / 3][i % 3] = (double)vertices[3 * corners[3 * t + (uint32_t)i / 3] + (uint32_t)i % 3];
+        const double area = (c[1][0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (c[1][1] - c[0][1]);
+        const double v = ((x[0] - c[0][0]) * (c[2][1] - c[0][1]) - (c[2][0] - c[0][0]) * (x[1] - c[0][1])) / area;
+        const double w = ((c[1][0] - c[0][0]) * (x[1] - c[0][1]) - (x[0] - c[0][0]) * (c[1][1] - c[0][1])) / area;
+        if (v >= 0 && w >= 0 && v + w <= 1)
+            above ^= c[0][2] + v * (c[1][2] - c[0][2]) + w * (c[2][2] - c[0][2]) > x[2];
+    }
+    return !above;
+}
+
+/* Pushed down in 0.5 s, held, and led up again, by hands that lean: in front on each tick, and led back. */
+static void so_it_does_on_tissue(void)
+{
+    static const dpt_segment stylus = { { 0, 0, 0 }, { 0, 0, 0.05 }, 0.001 };
+    for (int i = 0; i < 4; i++) {
+        struct tissue tissue;
+        const double axis[3] = { cos(i), sin(i), 0 }, deep = 0.02 + 0.015 * i;
+        double most_turned = 0;
+        int is_right = open_tissue(&tissue, &stylus);
+        tissue.rig.device = (dpt_pose){ { 0.003, 0.002, 0.004 }, { 1, 0, 0, 0 } };
+        pose_orient(&tissue.rig.device, axis, 0.1);
+        if (is_right)
+            rig_place(&tissue.rig);
+        for (int tick = 0; is_right && tick < 1500; tick++) {
+            double ends[6], x[3];
+            const double share = tick < 500 ? tick / 500.0 : tick < 900 ? 1 : fmax(-0.5, 1 - (tick - 900) / 300.0);
+            tissue.rig.device.position[2] = 0.004 - deep * share;
+            rig_step(&tissue.rig);
+            CHECK(dpt_body_step_springs(tissue.rig.world, tissue.body, tissue.springs, RIG_DT, NULL) == DPT_OK,
+                  "springs");
+            rig_proxy_ends(&tissue.rig, 0, ends);
+            for (int n = 0; n < 6; n++) {
+                for (int k = 0; k < 3; k++)
+                    x[k] = ends[k] + n / 5.0 * (ends[3 + k] - ends[k]);
+                is_right &= is_over(&tissue, x) && tissue.rig.force.reason <= DPT_FORCE_FREE;
+            }
+            CHECK(is_right, "tissue, %g mm, tick %d: behind, or reason %u, flags %u", 1e3 * deep, tick,
+                  tissue.rig.force.reason, tissue.rig.force.flags);
+            most_turned = fmax(most_turned, lean_of(&tissue.rig));
+        }
+        CHECK(!is_right || tissue.rig.force.reason == DPT_FORCE_FREE, "tissue, %g mm: not led back", 1e3 * deep);
+        CHECK(i < 2 || most_turned > 1.2, "tissue, %g mm: it leans by %g rad at most", 1e3 * deep, most_turned);
+        rig_close(&tissue.rig);
+        fixture_free(&tissue.mesh);
+    }
+}
+
 /*
  * Down, to and fro, turning, and up again, by paths that close: energy as the spring stores it, and no work is won, though
  * the tool lies far turned from the device meanwhile.
@@ -221,6 +315,7 @@ int main(void)
     TEST(it_buckles_where_the_formula_says);
     TEST(one_that_topples_lies_in_front_and_is_led_back);
     TEST(so_it_does_in_a_groove_of_60_degrees);
+    TEST(so_it_does_on_tissue);
     TEST(no_path_on_which_it_topples_gives_work);
     TEST(a_stiffness_against_turns_holds_it_up_to_10_newtons);
     return check_report();
