@@ -52,12 +52,12 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
     proxy->used[oldest] = ++proxy->clock;
 }
 
-void dpti_proxy_leave(struct proxy *proxy, uint32_t tick)
+void dpti_proxy_leave(struct proxy *proxy)
 {
     if (proxy->has_home || proxy->state < PROXY_DOUBTED)
         return;
     proxy->home = proxy->pose;
-    proxy->home_tick = tick;
+    proxy->home_tick = proxy->tick;
     proxy->has_home = 1;
 }
 
@@ -97,7 +97,7 @@ void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
             const double away = box_distance(&box, &world->boxes[slot]) - part_radius(part);
             proxy->gap = min_of(proxy->gap, away);
             if (away <= 0.0) {
-                dpti_proxy_leave(proxy, world->ticks);
+                dpti_proxy_leave(proxy);
                 proxy->state = PROXY_DOUBTED;
             }
         }

@@ -62,8 +62,8 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
 /* Call after a body was added or teleported: proxies near it are no longer known to be outside of it. */
 void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot);
 
-/* The proxy is put, or doubted: its home is where it was in that tick, if it was anywhere. */
-void dpti_proxy_leave(struct proxy *proxy, uint32_t tick);
+/* The proxy is put, or doubted: its home is where its last step left it, if it was anywhere. */
+void dpti_proxy_leave(struct proxy *proxy);
 
 /* One tick of `dt`: the proxy follows the device; nearest pairs of the tool's segments are those at the proxy then. */
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);

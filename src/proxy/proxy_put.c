@@ -25,7 +25,7 @@ void dpti_proxy_put(struct proxy_tick *tick)
 
 void dpti_proxy_put_again(struct proxy_tick *tick)
 {
-    dpti_proxy_leave(tick->proxy, tick->proxy->tick);
+    dpti_proxy_leave(tick->proxy);
     dpti_proxy_put(tick);
     tick->contact_count = 0;
     tick->proxy->fade.time_left = tick->world->def.fade;
@@ -44,7 +44,7 @@ void dpti_proxy_doubt_unseen_motion(const struct dpt_world *world, struct proxy 
         proxy->gap -= unseen;
         return;
     }
-    dpti_proxy_leave(proxy, proxy->tick);
+    dpti_proxy_leave(proxy);
     proxy->state = PROXY_DOUBTED;
     proxy->gap = -HUGE_VAL;
 }
@@ -100,13 +100,15 @@ static int tip_is_free(const struct way *way, const struct tip *tip)
 
 static int way_is_free(const struct way *way)
 {
-    for (uint32_t i = 0; i < tool_part_count(way->tool); i++) {
+    const struct work before = world_begin_sweep(way->world);
+    int is_free = 1;
+    for (uint32_t i = 0; is_free && i < tool_part_count(way->tool); i++) {
         const struct part part = tool_part(way->world, way->tool, i);
-        if (work_is_spent(&way->world->work) ||
-            !(part.tip ? tip_is_free(way, part.tip) : segment_is_free(way, part.segment)))
-            return 0;
+        is_free = !work_is_spent(&way->world->work) &&
+                  (part.tip ? tip_is_free(way, part.tip) : segment_is_free(way, part.segment));
     }
-    return 1;
+    world_end_sweep(way->world, &before);
+    return is_free;
 }
 
 /* Whether a body is so far away that no side of it counts: farther than the tool is long. */
