@@ -71,7 +71,8 @@ typedef struct dpt_tool_settings {
     /*
      * Of the proxy, Nm/rad, 0..1e9; 0: stiffness times the mean square of the distance of the segments' points from
      * their centre, which is L^2 / 12 for one segment of length L. It counts as 1e-6 to 1e6 times that. Of points
-     * alone, all count alike.
+     * alone, all count alike. The torque grows with the turn up to 1 rad. A tool that stands on its tip stands up to the
+     * force of twice this stiffness over L, and leans or lies beyond it: 7.5 L Nm/rad hold it up to 10 N.
      */
     double rotational_stiffness;
     /*
@@ -182,11 +183,15 @@ enum {
     /* The pose that held the proxy is gone, and it moves on to another: the force may change fast. */
     DPT_FORCE_FLAG_FOLD = 4,
     /*
-     * Moving bodies leave the proxy no free pose, and it starts again at the device. The step's contacts are those before.
+     * Moving bodies leave the proxy no free pose, and it is put at the device. There it counts as inside
+     * (DPT_FORCE_INSIDE) until it is on the side of all surfaces on which it was. The step's contacts are those before.
      * Where it was stepped together with tissue, it stays: the tissue dents it by up to a half of its radius.
      */
     DPT_FORCE_FLAG_SQUEEZED = 8,
-    /* The proxy was more than 1 rad from the device, and starts again there. The step's contacts are those before. */
+    /*
+     * The proxy was turned by more than 1 rad from the device, which has itself turned by 1 rad or more since the proxy
+     * was last with it; likewise. A proxy that leans or lies while the device does not turn so far stays where it is.
+     */
     DPT_FORCE_FLAG_REPLACED = 16,
     /* A function of the program's own has had the wrench; see dpt_tool_set_shaper. */
     DPT_FORCE_FLAG_SHAPED = 32,
@@ -223,7 +228,7 @@ enum {
  * there is no room for the contact), or if the contact becomes unknown. Then the segment's part of the wrench changes
  * in a straight line to its new value, which is zero while the contact is unknown. This takes dpt_world_def.fade
  * seconds, counted by the steps' dt. The wrench is always between the old and the new value. Another such event starts
- * the time again. With a proxy it fades where the proxy has to start again (DPT_FORCE_FLAG_SQUEEZED, _REPLACED), and
+ * the time again. With a proxy it fades where the proxy is put at its device (DPT_FORCE_FLAG_SQUEEZED, _REPLACED), and
  * where a body that was added or teleported may be round it.
  *
  * The wrench is zero at once after an error, a teleport, a reset or input that cannot be used, with stiffness 0, and

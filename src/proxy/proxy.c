@@ -4,7 +4,7 @@
 #include "base/quaternion.h"
 #include "track/tool_parts.h"
 
-enum { BYTES_PROXY = 1600 };
+enum { BYTES_PROXY = 1728 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)
@@ -52,6 +52,15 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
     proxy->used[oldest] = ++proxy->clock;
 }
 
+void dpti_proxy_leave(struct proxy *proxy)
+{
+    if (proxy->has_home || proxy->state < PROXY_DOUBTED)
+        return;
+    proxy->home = proxy->pose;
+    proxy->home_tick = proxy->tick;
+    proxy->has_home = 1;
+}
+
 /* A body goes, by its id: forget its triangles, and what friction keeps of it. A proxy that it held is released. */
 static void forget_contacts(struct proxy *proxy, uint32_t body)
 {
@@ -87,8 +96,10 @@ void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)
             const struct box box = dpti_part_box(part, &frame);
             const double away = box_distance(&box, &world->boxes[slot]) - part_radius(part);
             proxy->gap = min_of(proxy->gap, away);
-            if (away <= 0.0)
+            if (away <= 0.0) {
+                dpti_proxy_leave(proxy);
                 proxy->state = PROXY_DOUBTED;
+            }
         }
     }
 }
@@ -301,33 +312,4 @@ void dpti_proxy_write_hits(const struct dpt_world *world, const struct tool *too
     const uint32_t first = tool->closest < tool->segment_count ? tool->closest : 0;
     for (uint32_t i = 0; i < tool->segment_count; i++)
         write_hit(world, tool, (first + i) % tool->segment_count, work, &min);
-}
-
-void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
-{
-    struct proxy *proxy = proxy_of(world, tool);
-    int is_outside = 1, is_known = 1;
-    if (proxy->state != PROXY_PLACED && proxy->state != PROXY_DOUBTED)
-        return;
-    for (uint32_t i = 0; i < tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tool->first_segment + i];
-        if (!segment->answer.body)
-            continue;
-        is_known &= segment->answer.is_exact && segment->result.has_gap;
-        is_outside &= segment->result.gap > 0.0;
-    }
-    for (uint32_t i = 0; i < tool->tip_count; i++) {
-        const struct tip *tip = tool_tip(world, tool, i);
-        if (!tip->answer.body)
-            continue;
-        is_known &= tip->answer.is_exact != 0;
-        is_outside &=
-            tip->answer.is_exact && tip->answer.nearest.distance > tip->hull->radius && dpti_tip_is_outside(tip);
-    }
-    if (!is_known)
-        return;
-    if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap))
-        proxy->state = PROXY_OUTSIDE;
-    else if (!is_outside)
-        proxy->state = PROXY_PLACED;
 }

@@ -58,6 +58,15 @@ dpt_pose dpti_proxy_told_pose(const struct proxy *proxy);
 struct displacement dpti_proxy_displacement(const struct proxy *proxy, const struct proxy_pose *from,
                                             const struct proxy_pose *to);
 
+/*
+ * A displacement as the spring pulls: beyond 1 rad its torque grows no more, and within 1 rad of half a turn it falls to
+ * nothing, as the least turn changes its direction there. The turn is that of the torque.
+ */
+struct displacement dpti_proxy_pulled(const struct displacement *displacement);
+
+/* rad^2: what the spring stores in the turn of a displacement, over K_r, beyond half the square of the turn of its pull. */
+double dpti_proxy_stored_beyond(const struct displacement *displacement);
+
 /* Two unit vectors across the axis, then the axis, for the turns of a straight tool; of others the world's x, y, z. */
 void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at, vec3 axes[3]);
 

@@ -5,6 +5,7 @@
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_friction.h"
 #include "proxy/proxy_motion.h"
+#include "proxy/proxy_put.h"
 #include "proxy/tip_pose.h"
 #include "proxy/tool_loads.h"
 #include "track/tool_parts.h"
@@ -34,9 +35,8 @@ enum { PUSHES_MAX = 4 };
 #define DENTED      0.1
 #define DENTED_MOST 0.5
 
-/* rad: the largest turn of one motion, and the turn from the device beyond which the proxy starts again there. */
-#define TURN_MAX     0.3
-#define LAG_TURN_MAX 1.0
+/* rad: the largest turn of one motion. */
+#define TURN_MAX 0.3
 
 /*
  * rad: how far friction can hold the spin back, at the start of a tick and at its end. The second is larger: a tool
@@ -51,11 +51,12 @@ enum { PUSHES_MAX = 4 };
 /* m/s: how fast a proxy may move, beyond twice the device's motion, when what held it is gone (a fold). */
 #define FOLD_SPEED 1.0
 
-/* The displacement that is wanted, as unknowns; returns its length. */
+/* The displacement to which the spring pulls, as unknowns; returns its length. */
 static double wanted_motion(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
 {
-    dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
-    return displacement_norm(&tick->proxy->coupling, left);
+    const struct displacement pulled = dpti_proxy_pulled(left);
+    dpti_proxy_to_unknowns(tick->proxy, tick->axes, &pulled, wanted);
+    return displacement_norm(&tick->proxy->coupling, &pulled);
 }
 
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
@@ -107,19 +108,23 @@ static struct proxy_pose corrected_motion(struct proxy_tick *tick, const double 
 
 /*
  * The share of a motion that comes nearest to the device: where a surface curves under the tool, a longer motion along
- * it gains less. A parabola tells, by the squared distance from the device at both ends and its slope at the first.
+ * it gains less. A parabola tells, by what the spring stores at both ends, as a squared distance, and its slope at the
+ * first.
  */
-static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
-                         const double *straight, double left, double share)
+static double best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const struct displacement *now,
+                         const double *wanted, const double *straight, double left, double share)
 {
+    const struct coupling *coupling = &tick->proxy->coupling;
     const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
-    const double far = displacement_norm(&tick->proxy->coupling, &then);
+    const struct displacement pulled = dpti_proxy_pulled(&then);
+    const double beyond = dpti_proxy_stored_beyond(&then) - dpti_proxy_stored_beyond(now);
+    const double far = displacement_norm(coupling, &pulled);
     /* So much may be lost to regain the clearance. */
     const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
     double slope = -slack;
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
         slope -= wanted[k] * straight[k];
-    const double rise = 0.5 * (far * far - left * left), spare = slack * share;
+    const double rise = 0.5 * (far * far - left * left) + coupling->rho * coupling->rho * beyond, spare = slack * share;
     if (slope >= 0.0)
         return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
     const double bend = (rise - spare - slope * share) / (share * share);
@@ -158,7 +163,7 @@ static int gather_and_solve(struct proxy_tick *tick, const double *wanted, doubl
 /* Whether the motion leads to the device itself. Then the proxy takes the device's pose, bit for bit. */
 static int is_goal(const struct proxy_tick *tick, double share)
 {
-    return tick->solved.active_count == 0 && share == 1.0;
+    return tick->solved.active_count == 0 && share == 1.0 && !(tick->is_before && tick->only_aside);
 }
 
 /* In the open, where nothing can be met on any path, the proxy goes to the device at once. */
@@ -220,6 +225,8 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     proxy->lag = left;
     if (left == 0.0 && !tick->is_before)
         return FOLLOW_DONE;
+    if (tick->is_before && tick->only_aside)
+        memset(wanted, 0, sizeof wanted);
     if (!gather_and_solve(tick, wanted, left)) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         return FOLLOW_STUCK;
@@ -243,7 +250,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     if (size <= longest && is_goal(tick, share)) {
         motion->to = tick->goal;
     } else if (!tick->is_before && share > 0.0) {
-        share = best_share(tick, &motion->to, wanted, straight, left, share);
+        share = best_share(tick, &motion->to, displacement, wanted, straight, left, share);
         motion->to = pose_of_motion(tick, straight, share);
     }
     remember_active(tick);
@@ -335,29 +342,6 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     return FOLLOW_MOVED;
 }
 
-/* Put the proxy where the device is. Whether it is outside there, contact tells later. */
-static void place(struct proxy_tick *tick)
-{
-    tick->at = tick->goal = tick->device;
-    tick->is_led = 0;
-    tick->is_before = tick->is_waiting = 0;
-    tick->proxy->state = PROXY_PLACED;
-    tick->proxy->is_behind = 0;
-    dpti_proxy_find_nearest(tick);
-    tick->proxy->trust = HUGE_VAL;
-    tick->proxy->last_motion = 0.0;
-    tick->proxy->owed = 0.0;
-    tick->proxy->lag = 0.0;
-}
-
-/* The same in the middle of contact: the force fades. */
-static void place_again(struct proxy_tick *tick)
-{
-    place(tick);
-    tick->contact_count = 0;
-    tick->proxy->fade.time_left = tick->world->def.fade;
-}
-
 /* Whether the motion of bodies before this tick may have brought one near. */
 static int bodies_came_near(const struct proxy_tick *tick)
 {
@@ -373,6 +357,13 @@ static void find_again(struct proxy_tick *tick)
     tick->gap = max_of(tick->gap, proven);
 }
 
+/* From now on, motions lead out of the way of bodies alone: they are shorter, and seldom meet anything. */
+static void step_aside(struct proxy_tick *tick)
+{
+    tick->only_aside = 1;
+    tick->lift = tick->clearance;
+}
+
 /* Make motions until iterations, work or `*allowed` end: how far the proxy may still move. */
 static void follow_all(struct proxy_tick *tick, double *allowed)
 {
@@ -383,6 +374,8 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
         int result = follow_once(tick, allowed);
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) && dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
+        if (tick->is_before && i + 1 == PUSHES_MAX)
+            step_aside(tick);
         if (result == FOLLOW_DONE) {
             tick->is_settled = 1;
             return;
@@ -418,7 +411,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         if (!give_way(tick)) {
-            place_again(tick);
+            dpti_proxy_put_again(tick);
             return;
         }
     }
@@ -435,22 +428,10 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }
-    if (length(left.turn) > LAG_TURN_MAX) {
+    if (length(left.turn) > PROXY_TURN_MAX && !dpti_proxy_is_near_free_turn(tick)) {
         proxy->flags |= DPT_FORCE_FLAG_REPLACED;
-        place_again(tick);
+        dpti_proxy_put_again(tick);
     }
-}
-
-/* If bodies moved in a tick in which the tool was not stepped, it is not known any more what is round the proxy. */
-static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
-{
-    const int was_stepped = world_was_last_tick(world, proxy->tick);
-    if (!was_stepped)
-        dpti_proxy_end_force(proxy);
-    if (proxy->state < PROXY_DOUBTED || was_stepped || (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)
-        return;
-    proxy->state = PROXY_DOUBTED;
-    proxy->gap = -HUGE_VAL;
 }
 
 /*
@@ -500,7 +481,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     tick.tool = tool;
     tick.proxy = proxy;
     const uint32_t work_before = world->work.done;
-    doubt_unseen_motion(world, proxy);
+    dpti_proxy_doubt_unseen_motion(world, proxy);
     if (tool->is_free)
         dpti_proxy_follow_size(world, tool, proxy);
     const int was_spin_felt = proxy->coupling.spin_rho > 0.0;
@@ -515,7 +496,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     find_goal(&tick);
     if (proxy->state < PROXY_DOUBTED) {
         dpti_tips_put_all(world, tool);
-        place(&tick);
+        dpti_proxy_put(&tick);
     } else {
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
         const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.device);
@@ -540,6 +521,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
     proxy->tick = world->ticks;
+    proxy->body_path = world_body_path(world);
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
     /* All work counts for the tool's first segment. */
@@ -548,6 +530,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.device, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
+    if (!proxy->is_held)
+        memcpy(proxy->free_turn, tool->pose.orientation, sizeof proxy->free_turn);
     proxy->is_still =
         is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
 }

@@ -38,12 +38,13 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
     }
 }
 
-/* The unknowns of the way from a tool's proxy to a pose. */
+/* The unknowns of the way from a tool's proxy to a pose, as the spring pulls. */
 static void unknowns_of(const struct tissue_tool *tool, const dpt_pose *pose, double *unknowns)
 {
     const struct proxy_pose to = dpti_proxy_pose_of(tool->proxy, pose);
     const struct displacement way = dpti_proxy_displacement(tool->proxy, &tool->at, &to);
-    dpti_proxy_to_unknowns(tool->proxy, tool->axes, &way, unknowns);
+    const struct displacement pulled = dpti_proxy_pulled(&way);
+    dpti_proxy_to_unknowns(tool->proxy, tool->axes, &pulled, unknowns);
 }
 
 /*

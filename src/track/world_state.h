@@ -228,6 +228,15 @@ struct proxy {
     uint32_t clock;
     uint32_t tick;     /* the world's, of its last step */
     uint32_t is_still; /* the last tick left it as it was */
+    /*
+     * While it was put, or is doubted: where it was last before that, in which tick. From there it has a side of each
+     * surface.
+     */
+    dpt_pose home;
+    uint32_t has_home;
+    uint32_t home_tick;
+    double free_turn[4]; /* the device's orientation in the last tick that it was there */
+    double body_path;    /* m: of the world, in its last step */
 };
 
 /* The nearest pair over all bodies, and what is proven about it. */
@@ -428,6 +437,7 @@ struct dpt_world {
     uint32_t bodies_moved_tick;   /* the tick before which a body last moved */
     uint32_t bodies_put_tick;     /* the tick before which a body was last added, removed, teleported, or felt or not */
     double body_motion_max;       /* m: the largest motion_bound of the bodies that moved then */
+    double body_motion_before;    /* m: the sum of that over earlier ticks */
     double largest_diagonal;      /* m: of all bodies */
     uint32_t contacts_index;      /* which of `contacts` is this tick's */
     uint32_t last_contact_id;     /* the newest id of a contact */
@@ -514,6 +524,12 @@ static inline int body_has_moved(const struct dpt_world *world, const struct bod
 static inline double world_body_motion(const struct dpt_world *world)
 {
     return world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+}
+
+/* m: no point of any body has moved farther since the world began, but for those added since. */
+static inline double world_body_path(const struct dpt_world *world)
+{
+    return world->body_motion_before + world->body_motion_max;
 }
 
 /*

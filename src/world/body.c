@@ -157,8 +157,10 @@ static void note_motion(struct dpt_world *world, struct body *body)
     if (body->unfelt)
         return;
     world->has_changed = 1;
-    if (world->bodies_moved_tick != body->moved_tick)
+    if (world->bodies_moved_tick != body->moved_tick) {
+        world->body_motion_before += world->body_motion_max;
         world->body_motion_max = 0.0;
+    }
     world->bodies_moved_tick = body->moved_tick;
     world->body_motion_max = max_of(world->body_motion_max, body->motion_bound);
     if (body->added_tick == body->moved_tick)

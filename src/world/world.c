@@ -139,7 +139,7 @@ dpt_result dpt_world_reset(dpt_world *world)
         dpti_deform_reset(&world->bodies[i]);
     }
     world->bodies_moved_tick = 0;
-    world->body_motion_max = 0.0;
+    world->body_motion_max = world->body_motion_before = 0.0;
     world->undone_segment = 0;
     world->ticks = 0;
     return DPT_OK;
