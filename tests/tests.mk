@@ -221,7 +221,7 @@ check-release: ## that, and what takes long for what it can find: before a relea
 check-planted: all test-programs ## twelve faults are planted, one after the other, and a test must find each; check-release does it too
 	@sh tests/planted.sh $(B)
 
-SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
+SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak proxy_side certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
 soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
@@ -251,6 +251,7 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of 
 	@$(B)/tests/test_no_system_calls
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_proxy_soak 10000000
+	@$(B)/tests/test_proxy_side 10000000
 	@$(B)/tests/test_surface_motion 5000
 	@$(B)/tests/test_deform 8400
 	@$(B)/tests/test_deform_push 8400
@@ -301,7 +302,7 @@ test-programs: all $(filter-out $(call not_run,2),$(TESTS))
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
 check-programs: $(if $(filter scalar,$(CONFIG)),$(LIBS:%=%.a),all) $(filter-out $(call not_run,$(COLUMN)),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS))
 ifeq ($(CONFIG),release)
-check-programs: $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
+check-programs: $(if $(shell command -v $(PYTHON)),$(B)/amalgamation/LICENSE) $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
 endif
 .PHONY: test-programs check-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
@@ -333,6 +334,7 @@ $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared
 stability: all ## run the laboratory of force, and make docs/stability.md and its charts of it
 	@mkdir -p $(B)/bench
 	$(B)/dynpoint stability --json >$(B)/bench/stability.json || [ $$? -eq 1 ]
+	$(B)/dynpoint stability hum --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
 charts: measured ## measure as bench does, draw docs/charts and keep their data

@@ -141,6 +141,7 @@ typedef struct dpt_snapshot_tool {
     double energy;
     double lag;
     double body_work;
+    dpt_pose end; /* as dpt_tool_get_end; in snapshots of 0.2 as the proxy */
 } dpt_snapshot_tool;
 
 /*

@@ -120,7 +120,11 @@ typedef struct dpt_springs_info {
     uint32_t substeps;
     uint32_t nodes;  /* all of them */
     uint32_t active; /* those that were not asleep */
-    uint32_t reserved;
+    /*
+     * Units that contact solved together with the tissue took (dpt_world_def.budget); of bodies that were solved together
+     * they are told of the first one, and 0 of the others
+     */
+    uint32_t work;
     double stable_step; /* s: dpt_springs_get_stable_step */
     int32_t result;     /* of dpt_bodies_step_springs: DPT_OK, or why the body was held where it was */
     uint32_t reserved_word;
@@ -172,8 +176,9 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * With DPT_RESPONSE_LOAD a tool with a proxy and the tissue are solved together: no point of the tool is in the tissue
  * after the step, and what moves the tissue is what is felt. From then on the tool's wrench, loads and energy are those of
  * this answer: read and send them after this call, in the same tick. Friction sticks to where the tool was after the last
- * step, so what lies on a tool weighs on it what it weighs. All of this holds for bodies without a surface's stiffness, a
- * load_radius and a period. Elsewhere the wrench is that of the world's step, and its loads act on the nodes.
+ * step, so what lies on a tool weighs on it what it weighs. All of this holds for bodies without
+ * a period. With a load_radius a touch loads and feels the same patch of the surface. Elsewhere the wrench is that of the
+ * world's step, and its loads act on the nodes.
  *
  * With DPT_RESPONSE_DISPLACE, which is for nodes that are the vertices, nodes are where tools have moved them, and no longer
  * go into the tool; the body's friction acts on what goes along it (dpt_body_settings). It is the paper's, for the laws

@@ -71,7 +71,8 @@ typedef struct dpt_tool_settings {
     /*
      * Of the proxy, Nm/rad, 0..1e9; 0: stiffness times the mean square of the distance of the segments' points from
      * their centre, which is L^2 / 12 for one segment of length L. It counts as 1e-6 to 1e6 times that. Of points
-     * alone, all count alike.
+     * alone, all count alike. The torque grows with the turn up to 1 rad. A tool that stands on its tip stands up to the
+     * force of twice this stiffness over L, and leans or lies beyond it: 7.5 L Nm/rad hold it up to 10 N.
      */
     double rotational_stiffness;
     /*
@@ -103,12 +104,24 @@ DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, 
  */
 DPT_API dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
 
+/*
+ * The pose in which the last step of springs left the tool (dpt_body_step_springs), beside the tissue as it is after that.
+ * There friction holds it, and there its proxy goes in the next step of the world. It is the pose of dpt_tool_get_proxy
+ * after a step of the world, until springs are stepped, and for tools that touch none. The identity on an error.
+ */
+DPT_API dpt_result dpt_tool_get_end(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
+
 /* As dpt_body_is_valid. */
 DPT_API int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool);
 
 /*
- * The nearest pair of a tool and all bodies, from the last step. Where a proxy is held back, the contact is
- * DPT_CONTACT_PENETRATING, and gap and depth are not known.
+ * The nearest pair of a tool and all bodies, from the last step, at the device's pose. Where a proxy is held back, the
+ * contact is DPT_CONTACT_PENETRATING, and gap and depth are not known. The force does not need this pair, so it is
+ * searched for when it is read first: here, in a snapshot, or in a step that reports (dpt_world_step). The search spends
+ * no more than the step has left of its budget. It adds to the hit's `work` and not to dpt_world_info.work, and nothing
+ * later depends on it. If a body was added, removed, teleported, or made felt or unfelt between the step and the first
+ * reading, or with tips if a body was moved, the hit is stale. With deformable bodies, and with near_only, each step
+ * searches.
  */
 DPT_API dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit);
 
@@ -120,6 +133,9 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
  * stated order of bodies. Within a body they run from the segment's end a.
  *   contacts   at most `capacity` are written. contacts[0].size must be set. May be NULL if capacity is 0
  *   count      how many there are, which may be more than `capacity`
+ *
+ * DPT_E_FULL: the world has no room for contacts, as by default: dpt_world_def.max_contacts is 0. Then none are searched
+ * for, and `count` is 0.
  */
 DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
                                          uint32_t capacity, uint32_t *count);
@@ -167,11 +183,15 @@ enum {
     /* The pose that held the proxy is gone, and it moves on to another: the force may change fast. */
     DPT_FORCE_FLAG_FOLD = 4,
     /*
-     * Moving bodies leave the proxy no free pose, and it starts again at the device. The step's contacts are those before.
+     * Moving bodies leave the proxy no free pose, and it is put at the device. There it counts as inside
+     * (DPT_FORCE_INSIDE) until it is on the side of all surfaces on which it was. The step's contacts are those before.
      * Where it was stepped together with tissue, it stays: the tissue dents it by up to a half of its radius.
      */
     DPT_FORCE_FLAG_SQUEEZED = 8,
-    /* The proxy was more than 1 rad from the device, and starts again there. The step's contacts are those before. */
+    /*
+     * The proxy was turned by more than 1 rad from the device, which has itself turned by 1 rad or more since the proxy
+     * was last with it; likewise. A proxy that leans or lies while the device does not turn so far stays where it is.
+     */
     DPT_FORCE_FLAG_REPLACED = 16,
     /* A function of the program's own has had the wrench; see dpt_tool_set_shaper. */
     DPT_FORCE_FLAG_SHAPED = 32,
@@ -187,8 +207,8 @@ enum {
      */
     DPT_FORCE_FLAG_APART = 128,
     /*
-     * In the tissue's step the tool touched in more places than are counted at one time: the nearest were. Or there was no
-     * push that kept it out of all of them.
+     * In the tissue's step the tool touched in more places than are counted at one time, or than the budget was enough for:
+     * the nearest were. Or there was no push that kept it out of all of them.
      */
     DPT_FORCE_FLAG_CROWDED = 256
 };
@@ -208,7 +228,7 @@ enum {
  * there is no room for the contact), or if the contact becomes unknown. Then the segment's part of the wrench changes
  * in a straight line to its new value, which is zero while the contact is unknown. This takes dpt_world_def.fade
  * seconds, counted by the steps' dt. The wrench is always between the old and the new value. Another such event starts
- * the time again. With a proxy it fades where the proxy has to start again (DPT_FORCE_FLAG_SQUEEZED, _REPLACED), and
+ * the time again. With a proxy it fades where the proxy is put at its device (DPT_FORCE_FLAG_SQUEEZED, _REPLACED), and
  * where a body that was added or teleported may be round it.
  *
  * The wrench is zero at once after an error, a teleport, a reset or input that cannot be used, with stiffness 0, and

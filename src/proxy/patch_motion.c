@@ -144,16 +144,16 @@ static void shorten(const struct proxy_tick *tick, double share, struct patch_mo
  * known. Where a triangle that holds the line is met on the way, as a turn bends it towards one: a shorter one that ends before
  * that; where that does not help either, the motion is as it was.
  */
-static enum patch_proof prove(struct proxy_tick *tick, struct patch_view *view, const double *wanted, double left,
-                              double reach, struct patch_motion *motion)
+static enum patch_proof prove(struct proxy_tick *tick, struct patch_view *view, const struct displacement *way,
+                              const double *wanted, double left, double reach, struct patch_motion *motion)
 {
     double met;
     enum patch_proof proof = dpti_patch_prove(tick, view, &motion->to, reach, &met);
     if (view->is_ball || proof == PATCH_ADDED || proof == PATCH_CROWDED)
         return proof;
-    const double best = motion->is_to_goal
-                            ? motion->share
-                            : dpti_solved_best_share(tick, &motion->to, wanted, motion->straight, left, motion->share);
+    const double best = motion->is_to_goal ? motion->share
+                                           : dpti_solved_best_share(tick, &motion->to, way, wanted, motion->straight,
+                                                                    left, motion->share);
     if (best < motion->share) {
         shorten(tick, best, motion);
         proof = dpti_patch_prove(tick, view, &motion->to, reach, &met);
@@ -227,7 +227,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
         }
         const double share = far > farthest_allowed ? farthest_allowed / far : 1.0;
         choose(tick, view, wanted, share * min_of(size, *allowed), &motion);
-        proof = prove(tick, view, wanted, left, *reach, &motion);
+        proof = prove(tick, view, &way, wanted, left, *reach, &motion);
     }
     *reach = near;
     return proof != PATCH_CROWDED && make(tick, view, &motion, proof == PATCH_FREE, allowed) ? MOTION_MADE

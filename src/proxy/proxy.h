@@ -62,16 +62,25 @@ void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, u
 /* Call after a body was added or teleported: proxies near it are no longer known to be outside of it. */
 void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot);
 
+/* The proxy is put, or doubted: its home is where its last step left it, if it was anywhere. */
+void dpti_proxy_leave(struct proxy *proxy);
+
 /* One tick of `dt`: the proxy follows the device; nearest pairs of the tool's segments are those at the proxy then. */
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt);
 
-/* After contact: find out whether a placed or doubted proxy is outside of everything. */
+/*
+ * After contact: find out whether a placed or doubted proxy is outside of everything, and on the side of all surfaces on
+ * which it was at home.
+ */
 void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
 
 /* Whether a tool has a proxy that is not where its device is. */
 int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool);
 
-/* If the proxy is not at the device: write the segments' hits for the device's pose. */
-void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool);
+/* Note where the device has the segments of a tool that is held away from it. */
+void dpti_proxy_note_device(const struct dpt_world *world, const struct tool *tool);
+
+/* Write their hits there, among the bodies as they were in the last step: none was added, removed or teleported since. */
+void dpti_proxy_write_hits(const struct dpt_world *world, const struct tool *tool, struct work *work);
 
 #endif

@@ -163,18 +163,22 @@ static void limit_torque(const struct tool *tool, const struct proxy *proxy, vec
         vec3_store(along(from_origin, max_torque / size, torque), wrench->torque);
 }
 
+/* 1 + the cosine of two axes that are nearly opposite: there the spin between them is not defined. */
+#define OPPOSITE 0.1
+
 /* The spring and the damper. */
 static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
 {
     const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
     const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
     const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
-    const struct displacement goal = displacement_sum(&away, -1.0, &proxy->yielded);
+    const struct displacement pulled = dpti_proxy_pulled(&away);
+    const struct displacement goal = displacement_sum(&pulled, -1.0, &proxy->yielded);
     const struct displacement felt = in_pace(proxy, &goal);
     vec3 spin_axis = { 0.0, 0.0, 0.0 };
     dpt_wrench wrench;
     if (proxy->coupling.spin_rho > 0.0)
-        spin_axis = scaled(add(device.axis, at.axis), 1.0 / (1.0 + dot(device.axis, at.axis)));
+        spin_axis = scaled(add(device.axis, at.axis), 1.0 / max_of(1.0 + dot(device.axis, at.axis), OPPOSITE));
     if (tool->damping > 0.0) {
         const struct displacement damped =
             coupling_damped(&proxy->coupling, &felt, &proxy->felt, tool->damping / tool->stiffness, dt);
@@ -184,7 +188,9 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
     if (!(tool->damping > 0.0) || !wrench_is_finite(&wrench))
         wrench = coupling_wrench(&proxy->coupling, &felt, spin_axis, device.centre, device.frame.origin);
     limit_torque(tool, proxy, device.centre, device.frame.origin, &wrench);
-    tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->yielded_energy;
+    const double rotational = proxy->coupling.stiffness * proxy->coupling.rho * proxy->coupling.rho;
+    tool->energy =
+        coupling_energy(&proxy->coupling, &felt) + proxy->yielded_energy + rotational * dpti_proxy_stored_beyond(&away);
     proxy->felt = felt;
     return wrench;
 }
@@ -282,7 +288,8 @@ double dpti_proxy_body_work(struct proxy_tick *tick)
     if (!(tick->tool->stiffness > 0.0) || !(world_body_motion(tick->world) > 0.0) || proxy->state != PROXY_OUTSIDE)
         return 0.0;
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    const struct displacement now = displacement_sum(&left, 1.0, &proxy->yielded);
+    const struct displacement pulled = dpti_proxy_pulled(&left);
+    const struct displacement now = displacement_sum(&pulled, 1.0, &proxy->yielded);
     if (!dpti_proxy_solve_held(tick, wanted))
         return 0.0;
     /* Of a proxy that waits, contacts hold only a part of the displacement. */

@@ -363,7 +363,8 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
 int dpti_proxy_solve_held(struct proxy_tick *tick, double *left)
 {
     const struct proxy *proxy = tick->proxy;
-    const struct displacement away = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const struct displacement displacement = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
+    const struct displacement away = dpti_proxy_pulled(&displacement);
     if (tick->is_led || !(displacement_norm(&proxy->coupling, &away) > 0.0))
         return 0;
     if (tick->held != PROXY_HELD_UNKNOWN) {

@@ -357,6 +357,7 @@ int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view)
     answer->error_bound = track->axis.error;
     answer->is_exact = 1;
     answer->is_far = answer->work = 0;
+    answer->tick = tick->world->ticks;
     dpti_body_search_result(answer, &segment->result);
     tick->tool->felt_frame = tick->at.frame;
     tick->is_lost = 0;

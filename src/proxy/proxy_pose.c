@@ -176,6 +176,13 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
     return with_turn(proxy, at, turn);
 }
 
+dpt_pose dpti_proxy_told_pose(const struct proxy *proxy)
+{
+    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
+    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
+    return proxy->coupling.spin_rho > 0.0 ? proxy->pose : dpti_proxy_spun_as(proxy, &at, &device, 0.0).pose;
+}
+
 struct displacement dpti_proxy_displacement(const struct proxy *proxy, const struct proxy_pose *from,
                                             const struct proxy_pose *to)
 {
@@ -187,6 +194,33 @@ struct displacement dpti_proxy_displacement(const struct proxy *proxy, const str
     if (proxy->coupling.spin_rho > 0.0)
         moved.spin = spin_of(from, to);
     return moved;
+}
+
+/* rad: where the torque of the spring is largest. */
+#define TURN_PULLED 1.0
+
+/* rad: the turn that the spring's torque stands for. */
+static double turn_pulled(double angle)
+{
+    return min_of(min_of(angle, TURN_PULLED), max_of(0.0, 0.5 * ANGLE_TURN - angle));
+}
+
+struct displacement dpti_proxy_pulled(const struct displacement *displacement)
+{
+    struct displacement pulled = *displacement;
+    const double angle = length(pulled.turn);
+    if (angle > TURN_PULLED)
+        pulled.turn = scaled(pulled.turn, turn_pulled(angle) / angle);
+    return pulled;
+}
+
+double dpti_proxy_stored_beyond(const struct displacement *displacement)
+{
+    const double angle = length(displacement->turn), falls_from = 0.5 * ANGLE_TURN - TURN_PULLED;
+    const double pulled = turn_pulled(angle);
+    if (!(angle > TURN_PULLED))
+        return 0.0;
+    return angle <= falls_from ? TURN_PULLED * (angle - TURN_PULLED) : TURN_PULLED * falls_from - pulled * pulled;
 }
 
 void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at, vec3 axes[3])

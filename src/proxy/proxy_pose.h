@@ -51,9 +51,21 @@ struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *
 struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
                                      const struct proxy_pose *device, double spin_max);
 
+/* The pose as it is told: a spin that is not felt follows the device. Within a tick it would move ends by rounding. */
+dpt_pose dpti_proxy_told_pose(const struct proxy *proxy);
+
 /* From one pose to another; of a straight tool the least turn between its axes, and the spin beside it. */
 struct displacement dpti_proxy_displacement(const struct proxy *proxy, const struct proxy_pose *from,
                                             const struct proxy_pose *to);
+
+/*
+ * A displacement as the spring pulls: beyond 1 rad its torque grows no more, and within 1 rad of half a turn it falls to
+ * nothing, as the least turn changes its direction there. The turn is that of the torque.
+ */
+struct displacement dpti_proxy_pulled(const struct displacement *displacement);
+
+/* rad^2: what the spring stores in the turn of a displacement, over K_r, beyond half the square of the turn of its pull. */
+double dpti_proxy_stored_beyond(const struct displacement *displacement);
 
 /* Two unit vectors across the axis, then the axis, for the turns of a straight tool; of others the world's x, y, z. */
 void dpti_proxy_turn_axes(const struct proxy *proxy, const struct proxy_pose *at, vec3 axes[3]);

@@ -6,6 +6,7 @@
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_friction.h"
 #include "proxy/proxy_motion.h"
+#include "proxy/proxy_put.h"
 #include "proxy/solved_motion.h"
 #include "proxy/tip_pose.h"
 #include "proxy/tool_loads.h"
@@ -32,9 +33,6 @@ enum { PUSHES_MAX = 4 };
  */
 #define DENTED      0.1
 #define DENTED_MOST 0.5
-
-/* rad: the turn from the device beyond which the proxy starts again there. */
-#define LAG_TURN_MAX 1.0
 
 /*
  * rad: how far friction can hold the spin back, at the start of a tick and at its end. The second is larger: a tool
@@ -72,7 +70,7 @@ static int gather_and_solve(struct proxy_tick *tick, const double *wanted, doubl
 /* Whether the motion leads to the device itself. Then the proxy takes the device's pose, bit for bit. */
 static int is_goal(const struct proxy_tick *tick, double share)
 {
-    return tick->solved.active_count == 0 && share == 1.0;
+    return tick->solved.active_count == 0 && share == 1.0 && !(tick->is_before && tick->only_aside);
 }
 
 /* In the open, where nothing can be met on any path, the proxy goes to the device at once. */
@@ -134,6 +132,8 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     proxy->lag = left;
     if (left == 0.0 && !tick->is_before)
         return FOLLOW_DONE;
+    if (tick->is_before && tick->only_aside)
+        memset(wanted, 0, sizeof wanted);
     if (!gather_and_solve(tick, wanted, left)) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         return FOLLOW_STUCK;
@@ -157,7 +157,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     if (size <= longest && is_goal(tick, share)) {
         motion->to = tick->goal;
     } else if (!tick->is_before && share > 0.0) {
-        share = dpti_solved_best_share(tick, &motion->to, wanted, straight, left, share);
+        share = dpti_solved_best_share(tick, &motion->to, displacement, wanted, straight, left, share);
         motion->to = dpti_solved_pose(tick, straight, share);
     }
     dpti_proxy_remember_active(tick);
@@ -249,29 +249,6 @@ static int follow_once(struct proxy_tick *tick, double *allowed)
     return FOLLOW_MOVED;
 }
 
-/* Put the proxy where the device is. Whether it is outside there, contact tells later. */
-static void place(struct proxy_tick *tick)
-{
-    tick->at = tick->goal = tick->device;
-    tick->is_led = 0;
-    tick->is_before = tick->is_waiting = 0;
-    tick->proxy->state = PROXY_PLACED;
-    tick->proxy->is_behind = 0;
-    dpti_proxy_find_nearest(tick);
-    tick->proxy->trust = HUGE_VAL;
-    tick->proxy->last_motion = 0.0;
-    tick->proxy->owed = 0.0;
-    tick->proxy->lag = 0.0;
-}
-
-/* The same in the middle of contact: the force fades. */
-static void place_again(struct proxy_tick *tick)
-{
-    place(tick);
-    tick->contact_count = 0;
-    tick->proxy->fade.time_left = tick->world->def.fade;
-}
-
 /* Whether the motion of bodies before this tick may have brought one near. */
 static int bodies_came_near(const struct proxy_tick *tick)
 {
@@ -287,6 +264,13 @@ static void find_again(struct proxy_tick *tick)
     tick->gap = max_of(tick->gap, proven);
 }
 
+/* From now on, motions lead out of the way of bodies alone: they are shorter, and seldom meet anything. */
+static void step_aside(struct proxy_tick *tick)
+{
+    tick->only_aside = 1;
+    tick->lift = tick->clearance;
+}
+
 /* Make motions until iterations, work or `*allowed` end: how far the proxy may still move. */
 static void follow_all(struct proxy_tick *tick, double *allowed)
 {
@@ -297,6 +281,8 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
         int result = follow_once(tick, allowed);
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) && dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
+        if (tick->is_before && i + 1 == PUSHES_MAX)
+            step_aside(tick);
         if (result == FOLLOW_DONE) {
             tick->is_settled = 1;
             return;
@@ -334,7 +320,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         if (!give_way(tick)) {
-            place_again(tick);
+            dpti_proxy_put_again(tick);
             return;
         }
     }
@@ -351,22 +337,10 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         proxy->flags |= DPT_FORCE_FLAG_FOLD;
         proxy->folds++;
     }
-    if (length(left.turn) > LAG_TURN_MAX) {
+    if (length(left.turn) > PROXY_TURN_MAX && !dpti_proxy_is_near_free_turn(tick)) {
         proxy->flags |= DPT_FORCE_FLAG_REPLACED;
-        place_again(tick);
+        dpti_proxy_put_again(tick);
     }
-}
-
-/* If bodies moved in a tick in which the tool was not stepped, it is not known any more what is round the proxy. */
-static void doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy)
-{
-    const int was_stepped = world_was_last_tick(world, proxy->tick);
-    if (!was_stepped)
-        dpti_proxy_end_force(proxy);
-    if (proxy->state < PROXY_DOUBTED || was_stepped || (int32_t)(world->bodies_moved_tick - proxy->tick) <= 0)
-        return;
-    proxy->state = PROXY_DOUBTED;
-    proxy->gap = -HUGE_VAL;
 }
 
 /*
@@ -416,28 +390,34 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     tick.tool = tool;
     tick.proxy = proxy;
     const uint32_t work_before = world->work.done;
-    doubt_unseen_motion(world, proxy);
+    dpti_proxy_doubt_unseen_motion(world, proxy);
     if (tool->is_free)
         dpti_proxy_follow_size(world, tool, proxy);
+    const int was_spin_felt = proxy->coupling.spin_rho > 0.0;
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = dpti_proxy_clearance(world);
     tick.min_gap = GAP_SHARE * tick.clearance;
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
     proxy->last_pushed = proxy->is_ended ? proxy->pushed : proxy->felt;
+    proxy->last_stored = proxy->is_ended ? proxy->stored : proxy->yielded_energy;
     proxy->last_device_pose = proxy->device_pose;
     find_goal(&tick);
     if (proxy->state < PROXY_DOUBTED) {
         dpti_tips_put_all(world, tool);
-        place(&tick);
+        dpti_proxy_put(&tick);
     } else {
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
         const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.device);
-        const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.device, SPIN_MAX);
+        const int is_spin_felt = proxy->coupling.spin_rho > 0.0;
+        tick.at = dpti_proxy_pose_of(proxy, &proxy->pose);
+        if (is_spin_felt && !was_spin_felt)
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &device, 0.0);
+        if (is_spin_felt)
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.device, SPIN_MAX);
         tick.gap = proxy->gap;
         follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
-        if (proxy->coupling.spin_rho > 0.0)
+        if (is_spin_felt)
             tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.device, SPIN_ROLLED_MAX);
     }
     dpti_proxy_keep_contacts(&tick);
@@ -450,6 +430,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;
     proxy->tick = world->ticks;
+    proxy->body_path = world_body_path(world);
     proxy->gap = tick.gap;
     proxy->min_gap = tick.min_gap;
     /* All work counts for the tool's first segment. */
@@ -458,6 +439,8 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     world->segments[tool->first_segment].result.work = world->work.done - work_before;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.device, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
+    if (!proxy->is_held)
+        memcpy(proxy->free_turn, tool->pose.orientation, sizeof proxy->free_turn);
     proxy->is_still =
         is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
 }

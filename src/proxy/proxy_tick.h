@@ -21,6 +21,9 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
 #define PROXY_CONVERGED    3e-4
 #define PROXY_MOTION_SMALL 1e-3
 
+/* rad: beyond that turn from a device that has itself turned as far since it was free, a proxy is put there again. */
+#define PROXY_TURN_MAX 1.0
+
 /* As a share of the clearance: a gap that is large enough. */
 #define PROXY_GAP_KEPT 0.7
 
@@ -57,6 +60,7 @@ struct proxy_tick {
     double time;      /* 0..1 */
     double made;      /* the share that was made of the last motion that was solved for */
     double lift;      /* m: while is_before, added to the clearance of contacts */
+    int only_aside;   /* while is_before, no way to the goal was found: motions lead out of the bodies' way alone */
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
     int is_moved;     /* a motion was made in this tick */

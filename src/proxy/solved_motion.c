@@ -14,8 +14,9 @@ enum { CORRECTIONS_MAX = 2 };
 
 double dpti_solved_wanted(const struct proxy_tick *tick, const struct displacement *left, double *wanted)
 {
-    dpti_proxy_to_unknowns(tick->proxy, tick->axes, left, wanted);
-    return displacement_norm(&tick->proxy->coupling, left);
+    const struct displacement pulled = dpti_proxy_pulled(left);
+    dpti_proxy_to_unknowns(tick->proxy, tick->axes, &pulled, wanted);
+    return displacement_norm(&tick->proxy->coupling, &pulled);
 }
 
 /* By how much a motion is to be shortened: not beyond `longest`, and not turned too far at once. */
@@ -60,17 +61,21 @@ struct proxy_pose dpti_solved_correct(struct proxy_tick *tick, const double *wan
     }
 }
 
-double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
-                              const double *straight, double left, double share)
+double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_pose *to,
+                              const struct displacement *now, const double *wanted, const double *straight, double left,
+                              double share)
 {
+    const struct coupling *coupling = &tick->proxy->coupling;
     const struct displacement then = dpti_proxy_displacement(tick->proxy, to, &tick->goal);
-    const double far = displacement_norm(&tick->proxy->coupling, &then);
+    const struct displacement pulled = dpti_proxy_pulled(&then);
+    const double beyond = dpti_proxy_stored_beyond(&then) - dpti_proxy_stored_beyond(now);
+    const double far = displacement_norm(coupling, &pulled);
     /* So much may be lost to regain the clearance. */
     const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
     double slope = -slack;
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
         slope -= wanted[k] * straight[k];
-    const double rise = 0.5 * (far * far - left * left), spare = slack * share;
+    const double rise = 0.5 * (far * far - left * left) + coupling->rho * coupling->rho * beyond, spare = slack * share;
     if (slope >= 0.0)
         return rise > spare ? share * max_of(SHARE_MIN, spare / rise) : share;
     const double bend = (rise - spare - slope * share) / (share * share);

@@ -5,7 +5,7 @@
 
 #include "proxy/proxy_tick.h"
 
-/* The displacement that is wanted, as unknowns; returns its length. */
+/* The displacement to which the spring pulls, as unknowns; returns its length. */
 double dpti_solved_wanted(const struct proxy_tick *tick, const struct displacement *left, double *wanted);
 
 /*
@@ -23,9 +23,11 @@ struct proxy_pose dpti_solved_correct(struct proxy_tick *tick, const double *wan
 
 /*
  * The share of a motion that comes nearest to the device: where a surface curves under the tool, a longer motion along
- * it gains less. A parabola tells, by the squared distance from the device at both ends and its slope at the first.
+ * it gains less. A parabola tells, by what the spring stores at both ends, as a squared distance, and its slope at the
+ * first. now: the displacement from there to the goal
  */
-double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_pose *to, const double *wanted,
-                              const double *straight, double left, double share);
+double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_pose *to,
+                              const struct displacement *now, const double *wanted, const double *straight, double left,
+                              double share);
 
 #endif

@@ -75,9 +75,10 @@ struct tool {
     uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
     uint32_t search;      /* how this tick finds its answers and its force: a row of world/step.c */
     uint32_t force;
-    uint32_t still_ticks; /* in a row, up to the last */
-    uint32_t near_only;   /* segments that are far are not searched for (tool_parts.h) */
-    uint32_t closest;     /* the segment, from 0, that was nearest in the last search; with near_only */
+    uint32_t still_ticks;   /* in a row, up to the last */
+    uint32_t near_only;     /* segments that are far are not searched for (tool_parts.h) */
+    uint32_t has_late_hits; /* those of the last step are found when they are read (tool_results.c) */
+    uint32_t closest;       /* the segment, from 0, that was nearest in the last search; with near_only */
     /*
      * Its wrench on rigid bodies in this tick, about the origin of its torque. Only with deformable bodies in the
      * world.
@@ -214,6 +215,8 @@ struct proxy {
     struct displacement end_motion;
     struct displacement pushed; /* what pushed it there, over the stiffness: with a damper not what is felt */
     struct displacement last_pushed;
+    double stored; /* J, then by surfaces that yield */
+    double last_stored;
     uint32_t sticking; /* contacts with friction */
     uint32_t slipping;
     uint32_t is_ended;   /* there was such a step since the world's last one */
@@ -225,6 +228,15 @@ struct proxy {
     uint32_t clock;
     uint32_t tick;     /* the world's, of its last step */
     uint32_t is_still; /* the last tick left it as it was */
+    /*
+     * While it was put, or is doubted: where it was last before that, in which tick. From there it has a side of each
+     * surface.
+     */
+    dpt_pose home;
+    uint32_t has_home;
+    uint32_t home_tick;
+    double free_turn[4]; /* the device's orientation in the last tick that it was there */
+    double body_path;    /* m: of the world, in its last step */
 };
 
 /* The nearest pair over all bodies, and what is proven about it. */
@@ -236,7 +248,7 @@ struct body_answer {
     uint32_t is_exact;
     uint32_t work;   /* units */
     uint32_t is_far; /* it was not searched for (tool_parts.h) */
-    uint32_t reserved;
+    uint32_t tick;   /* in which it was found */
 };
 
 /* What is known of a segment's distance from all bodies, with near_only. */
@@ -296,6 +308,12 @@ struct depth_samples {
     struct warm_start at[DEPTH_SAMPLES_MAX];
 };
 
+/* A segment where the device was in the last step. */
+struct device_axis {
+    vec3 a, b;    /* in the world */
+    double apart; /* m: no point of it is farther from where it was at the proxy */
+};
+
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
@@ -313,6 +331,7 @@ struct segment {
     struct broad_phase broad_phase;
     struct proven_distance proven;
     struct body_answer answer;           /* this tick's */
+    struct device_axis device;           /* this tick's, where a proxy is held away from it */
     struct segment_result result;        /* this tick's */
     struct penetration penetration;      /* at the deepest point, in the world */
     struct penetration felt_penetration; /* the force uses it: reduced near a sheet's border */
@@ -416,7 +435,9 @@ struct dpt_world {
     double time;                  /* s: the sum of their dt */
     uint32_t ticks;               /* the number of the present tick, from 1 on, or of the last one; may wrap */
     uint32_t bodies_moved_tick;   /* the tick before which a body last moved */
+    uint32_t bodies_put_tick;     /* the tick before which a body was last added, removed, teleported, or felt or not */
     double body_motion_max;       /* m: the largest motion_bound of the bodies that moved then */
+    double body_motion_before;    /* m: the sum of that over earlier ticks */
     double largest_diagonal;      /* m: of all bodies */
     uint32_t contacts_index;      /* which of `contacts` is this tick's */
     uint32_t last_contact_id;     /* the newest id of a contact */
@@ -504,6 +525,12 @@ static inline int body_has_moved(const struct dpt_world *world, const struct bod
 static inline double world_body_motion(const struct dpt_world *world)
 {
     return world->bodies_moved_tick == world->ticks ? world->body_motion_max : 0.0;
+}
+
+/* m: no point of any body has moved farther since the world began, but for those added since. */
+static inline double world_body_path(const struct dpt_world *world)
+{
+    return world->body_motion_before + world->body_motion_max;
 }
 
 /*

@@ -83,7 +83,7 @@ static void take_displaced(const struct dpt_world *world, const struct body *bod
 static int body_is_solved(const struct body *body)
 {
     const dpt_deformable_def *def = &deform_of(body)->def;
-    return def->response == DPT_RESPONSE_LOAD && !(def->load_radius > 0.0) && !(def->period > 0.0);
+    return def->response == DPT_RESPONSE_LOAD && !(def->period > 0.0);
 }
 
 /* m: how far from the proxy pairs may come to carry force. What is fast now was so in the last step. */
@@ -154,6 +154,10 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
     for (uint32_t i = 0; i < substeps && is_done; i++) {
         double farthest = dpti_tissue_solve(solve);
         for (int again = 0; i == 0 && farthest > reach && again < GATHERED_AGAIN; again++) {
+            if (work_is_spent(&solve->work)) {
+                solve->is_full = 1;
+                break;
+            }
             reach = 2.0 * farthest;
             dpti_tissue_gather(solve, world, reach);
             dpti_tissue_link(solve);
@@ -162,6 +166,15 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
         is_done = dpti_tissue_substep(solve);
     }
     return is_done;
+}
+
+/* What contact took, in the first body's info. */
+static void tell_work(struct tissue_solve *solve, uint32_t units, dpt_springs_info *infos)
+{
+    dpt_springs_info *of = &solve->bodies[0].step.info;
+    of->work = units;
+    if (infos)
+        sized_write(&infos[solve->bodies[0].number], infos[solve->bodies[0].number].size, of, sizeof *of);
 }
 
 /* Whether all bodies of the solve can go where their steps have led. If not, those that cannot are known by their result. */
@@ -205,6 +218,7 @@ static int step_together(struct tissue_solve *solve, struct dpt_world *world, do
         dpti_deform_follow(world, body_of(world, &solve->bodies[b]), &solve->bodies[b].step.springs->vertices,
                            moved[b]);
     dpti_tissue_settle(solve, world);
+    tell_work(solve, solve->work.done, infos);
     return 1;
 }
 
@@ -273,6 +287,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
             continue;
         own->body_count = own->is_full = 0;
         own->dt = dt;
+        own->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
         take_body(own, world, list, i);
         dpti_tissue_gather(own, world, reach_of(own, dt));
         if (!own->touches.count)
@@ -286,8 +301,11 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
     if (count < 2)
         return solve;
     solve->body_count = 0;
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
+        const struct tissue_solve *own = deform_of(world_find_body(world, list->bodies[touched[i]]))->solve;
+        work_spend(&solve->work, own == solve ? 0 : own->work.done);
         take_body(solve, world, list, touched[i]);
+    }
     dpti_tissue_gather(solve, world, reach_of(solve, dt));
     return solve;
 }
@@ -313,6 +331,7 @@ static struct tissue_solve *resting_solve(const struct dpt_world *world, const s
 static void rest_together(struct tissue_solve *solve, struct dpt_world *world, dpt_springs_info *infos)
 {
     dpti_tissue_tell_again(solve, world);
+    tell_work(solve, 0, infos);
     for (uint32_t b = 0; infos && b < solve->body_count; b++) {
         dpt_springs_info *info = &infos[solve->bodies[b].number];
         sized_write(info, info->size, &solve->bodies[b].step.info, sizeof *info);

@@ -3,8 +3,10 @@
 #include "base/sized.h"
 #include "exchange/snapshot_format.h"
 #include "proxy/proxy.h"
+#include "proxy/proxy_pose.h"
 #include "track/tool_parts.h"
 #include "world/deform_body.h"
+#include "world/tool_results.h"
 
 enum { SNAPSHOT_CONTACTS_MAX = 1 << 20, SNAPSHOT_STRIP_MAX = 1 << 20, SNAPSHOT_VERTICES_MAX = 1 << 28 };
 
@@ -277,7 +279,8 @@ static void put_tool(struct taking *taking, const struct tool *tool)
                                .wrench = tool->wrench,
                                .energy = tool->energy,
                                .body_work = tool->body_work };
-    item.proxy = has_proxy && proxy->state != PROXY_NONE ? proxy->pose : tool->pose;
+    item.proxy = has_proxy && proxy->state != PROXY_NONE ? dpti_proxy_told_pose(proxy) : tool->pose;
+    dpt_tool_get_end(world, item.id, &item.end);
     if (has_proxy) {
         item.lag = proxy->lag;
         item.folds = proxy->folds;
@@ -360,8 +363,10 @@ dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_de
         if (world->bodies[i].slot.used)
             put_body(&taking, &world->bodies[i]);
     for (uint32_t i = 0; i < world->tool_slot_end; i++)
-        if (world->tools[i].slot.used)
+        if (world->tools[i].slot.used) {
+            dpti_tool_read_hits(world, &world->tools[i]);
             put_tool(&taking, &world->tools[i]);
+        }
     *bytes = (size_t)taking.bytes;
     return DPT_OK;
 }

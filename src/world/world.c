@@ -24,7 +24,7 @@ enum {
     BYTES_WORLD = 24576, /* the world itself, with one distance profile */
     BYTES_BODY = 2048,   /* with its box */
     BYTES_TOOL = 512,
-    BYTES_SEGMENT = 1920,
+    BYTES_SEGMENT = 1984,
     BYTES_TIP = 1088,
     BYTES_HULL = 6784,
     BYTES_POINT_CACHE = 21504, /* and for each segment BYTES_POINT_CACHE_SEGMENT */
@@ -139,7 +139,7 @@ dpt_result dpt_world_reset(dpt_world *world)
         dpti_deform_reset(&world->bodies[i]);
     }
     world->bodies_moved_tick = 0;
-    world->body_motion_max = 0.0;
+    world->body_motion_max = world->body_motion_before = 0.0;
     world->undone_segment = 0;
     world->ticks = 0;
     return DPT_OK;

@@ -157,10 +157,22 @@ static inline double proxy_gap(const struct visit *visit)
     return least;
 }
 
+/* rad^2: the integral of a torque that grows up to 1 rad, stays, and falls to nothing from 1 rad before half a turn on. */
+static inline double stored_by_turn(double angle)
+{
+    const double left = 3.14159265358979 - angle;
+    if (angle <= 1)
+        return 0.5 * angle * angle;
+    return left >= 1 ? angle - 0.5 : 3.14159265358979 - 1 - 0.5 * left * left;
+}
+
 static inline double energy_between(const struct visit *visit, const dpt_pose *proxy, const dpt_pose *device)
 {
-    const double off = poses_apart(visit, proxy, device);
-    return 0.5 * RIG_STIFFNESS * off * off;
+    double a[3], b[3];
+    pose_point(proxy, visit->centre, a);
+    pose_point(device, visit->centre, b);
+    const double off = apart(a, b), angle = visit->rho > 0 ? angle_apart(visit, proxy, device) : 0;
+    return RIG_STIFFNESS * (0.5 * off * off + visit->rho * visit->rho * stored_by_turn(angle));
 }
 
 /* J: the trapezoidal work of the wrench, which is about the frame's origin, over the last motion. */

@@ -13,6 +13,7 @@
 #include "plan/plan_trace.h"
 #include "record/recording_embed.h"
 #include "record/run_record.h"
+#include "run/run_puts.h"
 #include "run/run_settings.h"
 #include "scene/scene_trouble.h"
 #include "view/run_view.h"
@@ -33,6 +34,7 @@ struct session {
     uint64_t contacts, penetrating, unknown, clutched;
     struct scene_trouble trouble;
     char wrong[SCENE_TROUBLE_BYTES]; /* its text, after the run */
+    struct run_puts puts;
     dpt_coupling coupling;
     uint32_t budget;
     uint32_t reasons; /* why the device was not ready */
@@ -58,6 +60,7 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     if (result != DPT_OK)
         return result;
     run_trace_tick(&session->trace, &session->scene.stylus);
+    run_puts_tick(&session->puts, &session->scene);
     scene_get_hit(&session->scene, &hit);
     session->reasons |= sample->state->reasons;
     session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
@@ -107,8 +110,9 @@ static void print_coupling_json(const struct session *session)
 {
     const dpt_coupling *coupling = &session->coupling;
     const dpt_passivity_info seen = scene_passivity_info(&session->scene.passivity);
-    printf(",\"stiffness\":%.17g,\"limit\":\"%s\",\"stable\":%.17g,\"delay\":%.17g", coupling->stiffness,
-           coupling_limit_word(coupling->limit), coupling->stable, coupling->delay);
+    printf(",\"stiffness\":%.17g,\"limit\":\"%s\",\"stable\":%.17g,\"delay\":%.17g,\"rotational_stiffness\":%.17g",
+           coupling->stiffness, coupling_limit_word(coupling->limit), coupling->stable, coupling->delay,
+           coupling->rotational_stiffness);
     if (session->scene.passivity.is_used)
         printf(",\"passivity\":{\"acted\":%" PRIu64
                ",\"taken\":%.17g,\"account_min\":%.17g,\"eps\":%.17g,\"body_work\":%.17g}",
@@ -120,6 +124,8 @@ static void print_coupling(const struct session *session)
     const dpt_coupling *coupling = &session->coupling;
     const dpt_passivity_info seen = scene_passivity_info(&session->scene.passivity);
     printf("  coupling %.4g N/m", coupling->stiffness);
+    if (coupling->rotational_stiffness > 0.0)
+        printf(", %.3g Nm/rad", coupling->rotational_stiffness);
     if (coupling->stable > 0.0)
         printf("; at the hand the device is stable up to %.4g", coupling->stable);
     putchar('\n');
@@ -167,6 +173,7 @@ static void print_json(const struct session *session, const dpt_loop_stats *s, c
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
     printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->depth_max, session->force_peak);
     print_coupling_json(session);
+    run_puts_print(&session->puts, 1);
     printf(",\"tip_error\":%.17g,\"tips_unproven\":%" PRIu64, scene_tip_error(&session->scene),
            session->scene.curved.unproven);
     run_physics_print(&session->scene, 1);
@@ -211,6 +218,7 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
            1e3 * session->depth_max, session->force_peak);
     if (session->unknown)
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown, session->budget);
+    run_puts_print(&session->puts, 0);
     print_coupling(session);
     curved_tips_print_error(stdout, &session->scene.curved, scene_tip_error(&session->scene));
     run_physics_print(&session->scene, 0);

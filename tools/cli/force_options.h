@@ -6,10 +6,11 @@
 #include "cli/law_name.h"
 
 struct force_options {
-    uint32_t law;     /* DPT_LAW_... */
-    double stiffness; /* N/m */
-    double friction;  /* of all bodies, at rest and in motion; NAN: each has its own */
-    double damping;   /* Ns/m */
+    uint32_t law;                /* DPT_LAW_... */
+    double stiffness;            /* N/m */
+    double friction;             /* of all bodies, at rest and in motion; NAN: each has its own */
+    double damping;              /* Ns/m */
+    double rotational_stiffness; /* Nm/rad; 0: by the tool's shape */
 };
 
 /* The exit status after a message, or 0. */
@@ -43,6 +44,7 @@ static inline dpt_result force_options_set_tool(const struct force_options *opti
     settings.law = options->law;
     settings.stiffness = options->stiffness;
     settings.damping = options->damping;
+    settings.rotational_stiffness = options->rotational_stiffness;
     settings.lock_rotation = lock_rotation;
     settings.near_only = 1;
     return result == DPT_OK ? dpt_tool_set_settings(world, tool, &settings) : result;

@@ -277,7 +277,7 @@ static void push_quasi_statically(struct lab *lab)
     for (int method = 0; method < LAB_METHODS; method++)
         lab_at_least(lab, lab_method_name(method), "least force that a lying tool goes through with, up to 50 N",
                      min[method], "N", 50.0);
-    lab_note(lab, "proxy", "force at which a tip 6 degrees off upright tips over, through it", free_tip, "N");
+    lab_note(lab, "proxy", "force of a tip 6 degrees off upright that lies in front, 100 mm deep", free_tip, "N");
     lab_at_least(lab, "proxy", "the same with lock_rotation, up to 50 N", locked_tip, "N", 50.0);
 }
 
@@ -299,10 +299,11 @@ const struct lab_case thinsheet_case = {
               "collapses, at most to 50 N, which is 100 mm at 500 N/m. The chart shows that force over "
               "the thickness, 0 for the sheet. The ball is this library's proxy of one point at the tip.",
     .advice = "Use the proxy for everything thinner than some centimetres. It goes through nothing it "
-              "meets, but a long tool that is pushed down on its tip by more than a sixth of its length "
-              "tips over, as a pencil would. Once the device is turned by 1 rad from it, it starts "
-              "again at the device, which is behind the wall then. Set lock_rotation or a greater "
-              "rotational_stiffness where users press that hard.",
+              "meets. A long tool that is pushed down on its tip by more than a sixth of its length "
+              "leans, and lies down in front, as a pencil would; it is led back when the hand lifts. "
+              "Set lock_rotation or a greater rotational_stiffness where it is to stand. Only where the "
+              "hand itself turns by 1 rad from where it was free, and the tool cannot follow, is it put "
+              "at the device, without a force until it is in front again.",
     .run = run_thinsheet
 };
 

@@ -270,7 +270,8 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
                              .physics = text->physics,
                              .force = { .stiffness = text->stiffness,
                                         .friction = has_own_friction ? NAN : text->friction,
-                                        .damping = text->damping } };
+                                        .damping = text->damping,
+                                        .rotational_stiffness = text->rotational_stiffness } };
     const dpt_device_info info = { .size = sizeof info,
                                    .flags = (uint32_t)text->device_flags,
                                    .pose_dofs = (uint32_t)text->pose_dofs,

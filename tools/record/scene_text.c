@@ -40,6 +40,7 @@ static const struct key {
     KEY(NUMBER, stiffness),
     KEY(NUMBER, friction),
     KEY(NUMBER, damping),
+    KEY(NUMBER, rotational_stiffness),
     KEY(COUNT, budget),
     KEY(COUNT, sweep_budget),
     KEY(NUMBER, force_max),
@@ -160,6 +161,7 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
     text->stiffness = scene->force.stiffness;
     text->friction = isnan(scene->force.friction) ? SCENE_TEXT_OWN_FRICTION : scene->force.friction;
     text->damping = scene->force.damping;
+    text->rotational_stiffness = scene->force.rotational_stiffness;
 }
 
 /* The end of the text so far, and what does not fit. */

@@ -22,7 +22,8 @@ struct scene_text {
     double origin_x, origin_y, origin_z; /* of the device, in the scene's frame, m */
     double zoom, length, radius;
     double stiffness, friction, damping;
-    double force_max; /* that the guard lets through, N */
+    double rotational_stiffness; /* 0: by the tool's shape, as in a recording that does not tell it */
+    double force_max;            /* that the guard lets through, N */
     double force_scale;
     uint64_t embedded;  /* 1: the recording carries the files of scene and tool, where they have some */
     uint64_t clutch;    /* button, or SCENE_TEXT_NO_CLUTCH */

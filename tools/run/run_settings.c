@@ -76,11 +76,10 @@ static void say_why(const struct scene *scene, const dpt_coupling *coupling, dou
     }
 }
 
-int run_coupling_find(const struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
-                      dpt_coupling *coupling)
+static dpt_coupling_def coupling_def_of(const struct scene *scene, const dpt_device_info *device,
+                                        const struct coupling_options *options)
 {
     dpt_coupling_def def;
-    *coupling = (dpt_coupling){ .size = sizeof *coupling };
     dpt_coupling_def_init(&def);
     dpt_device_fill_coupling(device, &def);
     measure_tool(scene, &def.rho, &def.lever);
@@ -91,9 +90,59 @@ int run_coupling_find(const struct scene *scene, const dpt_device_info *device, 
     def.tool_damping = scene->force.damping;
     def.gain_margin = options->gain_margin;
     def.stiffness = isnan(options->stiffness) ? 0.0 : options->stiffness;
-    const dpt_result result = dpt_coupling_for_device(&def, coupling);
+    return def;
+}
+
+static int find_coupling(const struct scene *scene, const dpt_coupling_def *def, dpt_coupling *coupling)
+{
+    *coupling = (dpt_coupling){ .size = sizeof *coupling };
+    const dpt_result result = dpt_coupling_for_device(def, coupling);
     if (result != DPT_OK)
         return complain(scene->command, "no coupling for this device: %s", dpt_result_text(result));
+    return 0;
+}
+
+int run_coupling_find(const struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
+                      dpt_coupling *coupling)
+{
+    const dpt_coupling_def def = coupling_def_of(scene, device, options);
+    return find_coupling(scene, &def, coupling);
+}
+
+/*
+ * An upright tool stands up to UPRIGHT_FORCE, N, if its stiffness against turns is that times half of its length
+ * (docs/algorithms/force.md). With UPRIGHT_MARGIN times as much a hand's lean grows threefold at most. A share of
+ * UPRIGHT_PRICE of the stiffness is given for that, at most, and nothing of one that was asked for; it is found in so
+ * many halvings.
+ */
+#define UPRIGHT_FORCE  10.0
+#define UPRIGHT_MARGIN 1.5
+#define UPRIGHT_PRICE  0.1
+enum { UPRIGHT_HALVINGS = 6 };
+
+/* The stiffness against turns that holds an upright tool, or as much of it as the device can hold at that price. */
+static int hold_upright(const struct scene *scene, dpt_coupling_def *def, dpt_coupling *coupling)
+{
+    const int is_as_asked = coupling->limit == DPT_COUPLING_ASKED;
+    const double least = (is_as_asked ? 1.0 : 1.0 - UPRIGHT_PRICE) * coupling->stiffness;
+    double low = coupling->stiffness * def->rho * def->rho,
+           high = UPRIGHT_MARGIN * UPRIGHT_FORCE * sqrt(3.0) * def->rho;
+    if (!(coupling->stable_turn > 0.0) || !(low < high))
+        return 0;
+    def->rotational_stiffness = high;
+    for (int i = 0; i <= UPRIGHT_HALVINGS; i++) {
+        dpt_coupling tried;
+        if (find_coupling(scene, def, &tried))
+            return 2;
+        const int is_held =
+            tried.stiffness >= least && tried.rotational_stiffness >= (1.0 - 1e-9) * def->rotational_stiffness;
+        if (is_held)
+            *coupling = tried;
+        if (is_held && i == 0)
+            return 0;
+        *(is_held ? &low : &high) = def->rotational_stiffness;
+        def->rotational_stiffness = 0.5 * (low + high);
+    }
     return 0;
 }
 
@@ -101,7 +150,9 @@ int run_coupling_choose(struct scene *scene, const dpt_device_info *device, cons
                         dpt_coupling *coupling)
 {
     const int is_asked = !isnan(options->stiffness);
-    if (run_coupling_find(scene, device, options, coupling))
+    dpt_coupling_def def = coupling_def_of(scene, device, options);
+    if (find_coupling(scene, &def, coupling) ||
+        (scene->force.law == DPT_LAW_PROXY && !scene->planned && hold_upright(scene, &def, coupling)))
         return 2;
     /* A stiffness of 0 is asked for by those who want no force. */
     if (is_asked && (options->is_unstable || options->stiffness == 0.0)) {
@@ -111,6 +162,7 @@ int run_coupling_choose(struct scene *scene, const dpt_device_info *device, cons
         say_why(scene, coupling, options->stiffness);
     }
     scene->force.stiffness = coupling->stiffness;
+    scene->force.rotational_stiffness = coupling->rotational_stiffness;
     return 0;
 }
 

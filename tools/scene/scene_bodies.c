@@ -187,8 +187,7 @@ void scene_bodies_top(const struct scene_bodies *bodies, double top[3])
 /* Whether the tissue's step finds what a tool does to it (springs.h), which shares the load among all that it touches. */
 static int is_solved_together(const struct scene_body *body, const struct force_options *options)
 {
-    return body->response == DPT_RESPONSE_LOAD && !(body->period > 0.0) && !(body->settings.stiffness > 0.0) &&
-           options->law == DPT_LAW_PROXY;
+    return body->response == DPT_RESPONSE_LOAD && !(body->period > 0.0) && options->law == DPT_LAW_PROXY;
 }
 
 static double load_radius_of(const struct scene_body *body, const struct force_options *options, double diagonal)

@@ -61,6 +61,9 @@ static int is_spring_alone(const struct scene *scene, const struct model_tool *t
 /* rad */
 #define SPIN_MAX 1.5
 
+/* What the spring stores at half a turn, over its stiffness: its torque grows up to 1 rad and falls from 1 rad before. */
+#define STORED_MAX (3.14159265358979 - 1.0)
+
 /* A spring between the two middles; its torque about the middle is at most that of 1 rad. */
 static void spring_must_hold(const struct scene *scene, const struct model_tool *tool, const dpt_force_info *report)
 {
@@ -84,7 +87,7 @@ static void spring_must_hold(const struct scene *scene, const struct model_tool 
         turning = 1e9 + 1e6 * shaped;
     turning = fmin(fmax(turning, 1e-6 * shaped), 1e6 * shaped);
     /* Friction holds a straight tool's spin back by at most SPIN_MAX where it rolls, at K r^2 (force.md). */
-    double stored = 0.5 * turning;
+    double stored = STORED_MAX * turning;
     for (uint32_t i = 0; i < tool->count; i++) {
         const double spinning = K * tool->segment[i].radius * tool->segment[i].radius;
         turning += SPIN_MAX * spinning;

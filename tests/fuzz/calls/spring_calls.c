@@ -358,8 +358,8 @@ static uint32_t draw_loads(const struct pair_of_springs *pair, dpt_load *loads, 
 static void spring_report_must_hold(const struct pair_of_springs *pair, const dpt_springs_info *report)
 {
     HOLDS(report->nodes == pair->nodes && report->active <= report->nodes && report->substeps >= 1 &&
-              report->substeps <= pair->def.max_substeps && report->flags <= DPT_SPRINGS_FLAG_HELD &&
-              !report->reserved && report->result == DPT_OK && !report->reserved_word,
+              report->substeps <= pair->def.max_substeps && report->flags <= DPT_SPRINGS_FLAG_HELD && !report->work &&
+              report->result == DPT_OK && !report->reserved_word,
           "%u of %u nodes, %u substeps", report->active, report->nodes, report->substeps);
 }
 

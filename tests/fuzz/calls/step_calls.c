@@ -69,8 +69,9 @@ static uint32_t read_contacts(struct scene *scene, const struct model_tool *tool
     static dpt_contact contacts[CONTACTS_MAX];
     uint32_t count = 0;
     contacts[0].size = sizeof *contacts;
-    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MAX, &count) == DPT_OK,
-          "no contacts");
+    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MAX, &count) ==
+              (scene->def.max_contacts ? DPT_OK : DPT_E_FULL),
+          "contacts, with room for %u", scene->def.max_contacts);
     HOLDS(count <= scene->def.max_contacts, "%u contacts of %u", count, scene->def.max_contacts);
     HOLDS(count == 0 || scene->def.until != DPT_UNTIL_TRACK, "%u contacts of the pair alone", count);
     for (uint32_t i = 0; i < count; i++)
