@@ -19,8 +19,8 @@ int dpti_patch_prefer_pairs(struct proxy_tick *tick, struct patch_view *view);
 
 enum patch_proof {
     PATCH_FREE,    /* nothing is in the way */
-    PATCH_ADDED,   /* what may be in the way has become constraints */
-    PATCH_CROWDED, /* there is no room for these */
+    PATCH_ADDED,   /* some of what may be in the way has become a constraint */
+    PATCH_CROWDED, /* there is no room for it */
     PATCH_UNPROVEN /* a triangle that is a constraint already is not proven to stay out of the way */
 };
 

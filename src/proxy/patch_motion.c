@@ -258,6 +258,8 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     if (!tick->is_settled && *allowed > PROXY_MOTION_SMALL * tick->clearance &&
         proxy->lag > LAG_LEFT * displacement_norm(&proxy->coupling, &rest))
         return 0;
+    if (!tick->is_moved)
+        dpti_patch_leave(&view);
     /* The last constraints are kept. */
     if (!tick->is_settled && !dpti_patch_look(tick, &view, view.near))
         view.nearest = PATCH_TRIANGLES_MAX;

@@ -5,7 +5,7 @@
 #include "proxy/proxy_constraints.h"
 #include "track/body_search.h"
 
-enum { BYTES_PATCH = 1024 };
+enum { BYTES_PATCH = 640 };
 typedef char patch_fits[sizeof(struct proxy_patch) <= BYTES_PATCH ? 1 : -1];
 
 /* Beside what is asked for: so many times the reach at first, for the ticks to come; halved down to the least. */
@@ -31,6 +31,27 @@ void dpti_patch_forget(struct proxy_patch *patch)
 {
     patch->reach = patch->spare = 0.0;
     patch->crowded = 0;
+    patch->body_id = 0;
+}
+
+static int is_same(vec3 a, vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/* Whether the tool is where the last look found nothing to do. */
+static int is_still(const struct proxy_tick *tick, const struct segment *segment, const struct body *body,
+                    const struct proxy_patch *patch)
+{
+    const vec3 a = frame_to_local(&body->frame, frame_to_world(&tick->at.frame, segment->a));
+    const vec3 b = frame_to_local(&body->frame, frame_to_world(&tick->at.frame, segment->b));
+    return patch->body_id == body->id && is_same(a, patch->still_a) && is_same(sub(b, a), patch->still_u);
+}
+
+void dpti_patch_leave(struct patch_view *view)
+{
+    view->patch->still_a = view->a;
+    view->patch->still_u = view->u;
 }
 
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
@@ -43,7 +64,8 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape == PROXY_BENT || tick->is_before ||
         tick->proxy->state != PROXY_OUTSIDE || !(tick->gap >= 0.5 * tick->min_gap) || patch->is_off ||
         world->def.method != DPT_METHOD_EXACT || world->body_slot_end > BODIES_MAX || !body || !body_is_there(body) ||
-        body->surface.motion || body_has_moved(world, body) || (int32_t)(world->ticks - patch->crowded) < 0)
+        body->surface.motion || body_has_moved(world, body) || (int32_t)(world->ticks - patch->crowded) < 0 ||
+        is_still(tick, segment, body, patch))
         return 0;
     view->patch = patch;
     view->segment = segment;

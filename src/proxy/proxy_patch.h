@@ -8,17 +8,18 @@
 
 #include "proxy/proxy_tick.h"
 
-enum { PATCH_BLOCKS = 2, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
+enum { PATCH_BLOCKS = 1, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
 
 /* The leaves, with their boxes as children of nodes of their own. Kept from tick to tick; one a segment. */
 struct proxy_patch {
-    vec3 a, b;        /* the axis about which it lies, in the body's frame */
-    double reach;     /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
-    uint32_t body_id; /* the body, which does not deform */
-    uint32_t count;   /* of leaves */
-    uint32_t crowded; /* there was no room: it is tried again in that tick of the world */
-    uint32_t is_off;  /* 1: it is not used, as a test wants */
-    double spare;     /* what was found beside what was asked for, as a multiple of the reach */
+    vec3 a, b;             /* the axis about which it lies, in the body's frame */
+    vec3 still_a, still_u; /* the axis where a tick found nothing to do: it was left to searches that know its pair */
+    double reach;          /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
+    uint32_t body_id;      /* the body, which does not deform */
+    uint32_t count;        /* of leaves */
+    uint32_t crowded;      /* there was no room: it is tried again in that tick of the world */
+    uint32_t is_off;       /* 1: it is not used, as a test wants */
+    double spare;          /* what was found beside what was asked for, as a multiple of the reach */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
     float box[PATCH_BLOCKS][MESH_BOX_WORDS];
 };
@@ -104,6 +105,9 @@ static inline double patch_height(const struct patch_way *way, vec3 normal, cons
     }
     return least - max_of(dot(normal, v[0]), max_of(dot(normal, v[1]), dot(normal, v[2])));
 }
+
+/* The tick has made no motion. While the tool is there, it is not worth a look: what is known there serves as well. */
+void dpti_patch_leave(struct patch_view *view);
 
 /* The nearest pair at tick->at becomes the segment's answer. Returns 0 if there is none in the view. */
 int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view);
