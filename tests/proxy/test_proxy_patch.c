@@ -2,7 +2,7 @@
 /*
  * The patch of surface round a proxy (docs/algorithms/patch.md): that it has all triangles within its reach, and a tick's
  * list all within that one's, against all triangles of the body; that a motion which it proves comes near none of them; and
- * that with and without it the same is felt.
+ * that with and without it the same is felt, with the same bits and work by all kernels.
  *
  *     test_proxy_patch [TICKS = 1000]   of each tool on each mesh
  */
@@ -223,9 +223,10 @@ static void judge(const struct rig *rig, uint64_t *seed, const char *name)
 }
 
 static void open_rig(struct rig *rig, const struct subject *subject, const struct instrument *instrument,
-                     double friction)
+                     double friction, uint32_t kernel)
 {
     dpt_world_def def = rig_def(DPT_LAW_PROXY);
+    def.kernel = kernel;
     dpt_body_settings settings = { .size = sizeof settings };
     def.max_contacts = 0;
     rig_open(rig, &def, subject->fixture.mesh, &instrument->segment, 1);
@@ -241,7 +242,7 @@ static void complete_on(const struct subject *subject, const struct instrument *
     double last = 0.0;
     char name[80];
     snprintf(name, sizeof name, "%s, %s", subject->shape, instrument->name);
-    open_rig(&rig, subject, instrument, 0.0);
+    open_rig(&rig, subject, instrument, 0.0, DPT_KERNEL_AUTO);
     hand_begin(&hand, subject, seed);
     for (unsigned long tick = 0; tick < ticks_wanted; tick++) {
         hand_move(&hand, &rig.device);
@@ -312,8 +313,8 @@ static void same_on(const struct subject *subject, const struct instrument *inst
 {
     struct hand hand;
     struct rig with, without;
-    open_rig(&with, subject, instrument, friction);
-    open_rig(&without, subject, instrument, friction);
+    open_rig(&with, subject, instrument, friction, DPT_KERNEL_AUTO);
+    open_rig(&without, subject, instrument, friction, DPT_KERNEL_AUTO);
     patch_of(&without)->is_off = 1;
     hand_begin(&hand, subject, seed);
     for (unsigned long tick = 0; tick < ticks_wanted; tick++) {
@@ -352,11 +353,51 @@ static void patches_make_no_difference(void)
           "too many differ");
 }
 
+/* The sum of the bits of all forces and of the work of each tick. */
+static uint64_t bits_of_run(const struct subject *subject, const struct instrument *instrument, uint32_t kernel)
+{
+    struct hand hand;
+    struct rig rig;
+    uint64_t hash = 0xcbf29ce484222325u;
+    open_rig(&rig, subject, instrument, 0.2, kernel);
+    hand_begin(&hand, subject, 9);
+    for (unsigned long tick = 0; tick < ticks_wanted; tick++) {
+        hand_move(&hand, &rig.device);
+        if (tick)
+            rig_step(&rig);
+        else
+            rig_place(&rig);
+        const unsigned char *byte = (const unsigned char *)&rig.force.wrench;
+        for (size_t k = 0; k < sizeof rig.force.wrench; k++)
+            hash = (hash ^ byte[k]) * 0x100000001b3u;
+        hash = (hash ^ rig.world->work.done) * 0x100000001b3u;
+    }
+    rig_close(&rig);
+    return hash;
+}
+
+static void all_kernels_give_the_same_bits(void)
+{
+    static const uint32_t kernels[] = { DPT_KERNEL_SSE2, DPT_KERNEL_AVX2, DPT_KERNEL_AVX512, DPT_KERNEL_NEON };
+    for (size_t s = 0; s < EACH(subjects); s++) {
+        if (!open_subject(&subjects[s]))
+            return;
+        for (size_t i = 0; i < EACH(instruments); i++) {
+            const uint64_t bits = bits_of_run(&subjects[s], &instruments[i], DPT_KERNEL_SCALAR);
+            for (size_t k = 0; k < EACH(kernels); k++)
+                CHECK(!rig_has_kernel(kernels[k]) || bits_of_run(&subjects[s], &instruments[i], kernels[k]) == bits,
+                      "%s, %s: kernel %u", subjects[s].shape, instruments[i].name, kernels[k]);
+        }
+        fixture_free(&subjects[s].fixture);
+    }
+}
+
 int main(int argc, char **argv)
 {
     uint64_t seed = 0;
     take_count(argc, argv, &ticks_wanted, &seed);
     TEST(patches_are_complete_and_prove);
     TEST(patches_make_no_difference);
+    TEST(all_kernels_give_the_same_bits);
     return check_report();
 }
