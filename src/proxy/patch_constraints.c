@@ -14,9 +14,9 @@
 #define SWEPT 0.05
 
 /*
- * The plane of a triangle's own face, where the ball is in front of it by the clearance, and it leaves more at the end of
- * the motion than that across the pair. At a concave edge it lets the ball go to where it touches; the pair's plane is that
- * of the edge, and would hold it half way there.
+ * The plane of a triangle's own face, where the ball is in front of it by the clearance, and it leaves more at the end
+ * of the motion than that across the pair. At a concave edge it lets the ball go to where it touches; the pair's plane
+ * is that of the edge, and would hold it half way there.
  */
 static int face_plane(const struct proxy_tick *tick, const struct patch_view *view,
                       const struct patch_triangle *triangle, vec3 motion, pair *plane, double *distance)
@@ -198,7 +198,10 @@ static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_v
     return !view->is_ball && is_swept_free(tick, view, trial, triangle);
 }
 
-/* Of what is in the way of a line: the outermost towards its ends a and b. Held by these, it may be clear of the others. */
+/*
+ * Of what is in the way of a line: the outermost towards its ends a and b. Held by these, it may be clear of the
+ * others.
+ */
 struct outer {
     uint32_t triangle[2]; /* in the list, or PATCH_TRIANGLES_MAX */
     double from_end[2];   /* the least share of the line from each end to it */

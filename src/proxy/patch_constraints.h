@@ -6,8 +6,8 @@
 #include "proxy/proxy_patch.h"
 
 /*
- * Make a triangle of the list a constraint of the motions up to `reach`, m. `motion`, m in the world, is where the tool may go.
- * Returns 0 if there is no room for it, or it touches the axis.
+ * Make a triangle of the list a constraint of the motions up to `reach`, m. `motion`, m in the world, is where the tool
+ * may go. Returns 0 if there is no room for it, or it touches the axis.
  */
 int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i, double reach, vec3 motion);
 

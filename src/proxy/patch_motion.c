@@ -15,8 +15,8 @@
 enum { MOTIONS_MAX = 8, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 
 /*
- * A tick's first look reaches so many times as far as is expected of its motions together. That of a line is less cheap, and
- * shall serve all of them.
+ * A tick's first look reaches so many times as far as is expected of its motions together. That of a line is less
+ * cheap, and shall serve all of them.
  */
 #define LOOK_AHEAD      1.0
 #define LOOK_AHEAD_LINE 1.5
@@ -59,8 +59,9 @@ static int is_remembered(const struct proxy *proxy, const struct patch_view *vie
 }
 
 /*
- * Hold what a line begins with: those near that the proxy remembers, and the nearest where it is nearer than these. A line
- * that lies on a surface is held by its ends; what touches it between these would hold it as well, but at one place.
+ * Hold what a line begins with: those near that the proxy remembers, and the nearest where it is nearer than these. A
+ * line that lies on a surface is held by its ends; what touches it between these would hold it as well, but at one
+ * place.
  */
 static int hold_along(struct proxy_tick *tick, struct patch_view *view, double reach, vec3 hint)
 {
@@ -140,9 +141,9 @@ static void shorten(const struct proxy_tick *tick, double share, struct patch_mo
 }
 
 /*
- * Prove a motion. That of a line is shortened if it comes nearer to the goal then, but not before all that is in its way is
- * known. Where a triangle that holds the line is met on the way, as a turn bends it towards one: a shorter one that ends before
- * that; where that does not help either, the motion is as it was.
+ * Prove a motion. That of a line is shortened if it comes nearer to the goal then, but not before all that is in its
+ * way is known. Where a triangle that holds the line is met on the way, as a turn bends it towards one: a shorter one
+ * that ends before that; where that does not help either, the motion is as it was.
  */
 static enum patch_proof prove(struct proxy_tick *tick, struct patch_view *view, const struct displacement *way,
                               const double *wanted, double left, double reach, struct patch_motion *motion)

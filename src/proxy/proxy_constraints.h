@@ -12,8 +12,8 @@
 void dpti_proxy_gather(struct proxy_tick *tick, double reach);
 
 /*
- * A constraint of a ball: the plane across `plane`, from its point on a body at rest to the ball's centre at p, in the body's
- * frame, at that distance, m. triangle: in tick->triangles. There must be room for it.
+ * A constraint of a ball: the plane across `plane`, from its point on a body at rest to the ball's centre at p, in the
+ * body's frame, at that distance, m. triangle: in tick->triangles. There must be room for it.
  */
 void dpti_proxy_add_plane(struct proxy_tick *tick, uint32_t triangle, const struct body *body, vec3 p,
                           const pair *plane, double distance);

@@ -12,8 +12,8 @@ typedef char patch_fits[sizeof(struct proxy_patch) <= BYTES_PATCH ? 1 : -1];
 #define SPARE_MOST  8.0
 #define SPARE_LEAST 0.25
 
-/* After there was no room, it is not tried for so many ticks. */
-enum { CROWDED_TICKS = 32 };
+/* After a list could not be made, none is tried for so many ticks. */
+enum { CROWDED_TICKS = 8 };
 
 /* Units of work that a look may take, so that it is not begun with less; and how many bodies it may pass. */
 enum { LOOK_WORK = 512, BODIES_MAX = 16 };
@@ -127,7 +127,6 @@ static int cover(struct dpt_world *world, const struct patch_view *view, double 
         if (work_is_spent(&world->work))
             return 0;
     }
-    patch->crowded = world->ticks + CROWDED_TICKS;
     return 0;
 }
 
@@ -333,7 +332,7 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
         double within = reach;
         for (; !list_all(world, view, within); within *= 0.5)
             if (view->count < view->most || within < 2.0 * near || !view->is_ball) {
-                view->patch->crowded = world->ticks + CROWDED_TICKS / 4;
+                view->patch->crowded = world->ticks + CROWDED_TICKS;
                 return 0;
             }
     } else if (moved > 0.0) {

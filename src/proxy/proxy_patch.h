@@ -10,14 +10,14 @@
 
 enum { PATCH_BLOCKS = 1, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
 
-/* The leaves, with their boxes as children of nodes of their own. Kept from tick to tick; one a segment. */
+/* The leaves, with their boxes as children of a node of their own. Kept from tick to tick; one a segment. */
 struct proxy_patch {
     vec3 a, b;             /* the axis about which it lies, in the body's frame */
     vec3 still_a, still_u; /* the axis where a tick found nothing to do: it was left to searches that know its pair */
     double reach;          /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
     uint32_t body_id;      /* the body, which does not deform */
     uint32_t count;        /* of leaves */
-    uint32_t crowded;      /* there was no room: it is tried again in that tick of the world */
+    uint32_t crowded;      /* no list could be made: it is tried again in that tick of the world */
     uint32_t is_off;       /* 1: it is not used, as a test wants */
     double spare;          /* what was found beside what was asked for, as a multiple of the reach */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
@@ -63,8 +63,9 @@ void dpti_patch_forget(struct proxy_patch *patch);
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
 
 /*
- * The triangles round tick->at, those with a gap up to `reach` m, or to less where there are too many; none has a constraint. tick->gap becomes the
- * nearest one's, or what is proven of it. Returns 0 if they have no room, or the work does not suffice.
+ * The triangles round tick->at, those with a gap up to `reach` m, or to less where there are too many; none has a
+ * constraint. tick->gap becomes the nearest one's, or what is proven of it. Returns 0 if they have no room, or the work
+ * does not suffice.
  */
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach);
 

@@ -8,8 +8,8 @@
  *     fast   the same at 1 m/s
  *     poke   in and out by 5 mm, at one place after another
  *
- * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of REPEATS
- * runs; then the sum of all forces, N: two builds that feel the same print the same.
+ * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of
+ * REPEATS runs; then the sum of all forces, N: two builds that feel the same print the same.
  *
  *     proxy_ticks [MESH=liver [TOOL [MOTION [TICKS=20000 [FRICTION=0 [REPEATS=3]]]]]]
  *

@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Ticks of a proxy by two builds, in turns: sh tests/bench/proxy_ticks.sh PROGRAM OTHER [MESH [TOOL [MOTION [TICKS [FRICTION]]]]].
-# Both are build/tests/bench/proxy_ticks of a build. Each runs TURNS times (5). Prints, for each tool and motion, the least
-# median, 99 % and worst of both in us, and how many times longer the first takes; where valgrind is, k instructions a tick too.
+# Ticks of a proxy by two builds, in turns. `sh tests/bench/proxy_ticks.sh PROGRAM OTHER [MESH [TOOL [MOTION [TICKS
+# [FRICTION]]]]]`: both programs are build/tests/bench/proxy_ticks of a build. Each runs TURNS times (5). Prints, for each
+# tool and motion, the least median, 99 % and worst of both in us, and how many times longer the first takes; where
+# valgrind is, k instructions a tick too.
 set -u
 [ $# -ge 2 ] || { sed -n 's/^# //p' "$0" >&2; exit 2; }
 one=$1 other=$2 mesh=${3:-liver} tool=${4:-} motion=${5:-} ticks=${6:-5000} friction=${7:-0}
@@ -29,14 +30,14 @@ cut -d, -f4,5 "$work/rows" | sort -u | while IFS=, read -r t m; do
         k=$(instructions "$one" "$t" "$m") l=$(instructions "$other" "$t" "$m")
     fi
     awk -F, -v t="$t" -v m="$m" -v k="$k" -v l="$l" '
-        function least(which, column) { return best[which, column] }
         $4 == t && $5 == m {
             for (i = 8; i <= 10; i++)
                 if (!(($1, i) in best) || $i + 0 < best[$1, i]) best[$1, i] = $i + 0
         }
         END {
-            printf "%s,%s,%.2f,%.2f,%.2f,%.1f,%.1f,%.2f,%.0f,%.0f,%s,%s,%s\n", t, m, least("one", 8), least("other", 8),
-                least("one", 8) / least("other", 8), least("one", 9), least("other", 9), least("one", 9) / least("other", 9),
-                least("one", 10), least("other", 10), k, l, (l > 0 ? sprintf("%.2f", k / l) : "")
+            printf "%s,%s", t, m
+            for (i = 8; i <= 9; i++)
+                printf ",%.2f,%.2f,%.2f", best["one", i], best["other", i], best["one", i] / best["other", i]
+            printf ",%.0f,%.0f,%s,%s,%s\n", best["one", 10], best["other", 10], k, l, (l > 0 ? sprintf("%.2f", k / l) : "")
         }' "$work/rows"
 done

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The patch of surface round a proxy (docs/algorithms/patch.md): that it has all triangles within its reach, and a tick's
- * list all within that one's, against all triangles of the body; that a motion which it proves comes near none of them; and
- * that with and without it the same is felt, with the same bits and work by all kernels.
+ * The patch of surface round a proxy (docs/algorithms/patch.md): that it has all triangles within its reach, and a
+ * tick's list all within that one's, against all triangles of the body; that a motion which it proves comes near none
+ * of them; and that with and without it the same is felt, with the same bits and work by all kernels.
  *
  *     test_proxy_patch [TICKS = 1000]   of each tool on each mesh
  */
@@ -141,7 +141,10 @@ static void tick_at_proxy(const struct rig *rig, struct proxy_tick *tick)
     dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
 }
 
-/* Every triangle within the view's reach is in its list, with a bound of its gap that is true; and the nearest is found. */
+/*
+ * Every triangle within the view's reach is in its list, with a bound of its gap that is true; and the nearest is
+ * found.
+ */
 static void judge_view(const struct proxy_tick *tick, const struct patch_view *view, const char *name)
 {
     const struct surface *surface = &view->body->surface;
@@ -165,7 +168,9 @@ static void judge_view(const struct proxy_tick *tick, const struct patch_view *v
 
 enum { PLACES = 9 };
 
-/* Of a motion that is proven: the axis, its ends on straight lines, is nowhere as near to a triangle as the least gap. */
+/*
+ * Of a motion that is proven: the axis, its ends on straight lines, is nowhere as near to a triangle as the least gap.
+ */
 static void judge_motion(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
                          const char *name)
 {
@@ -276,7 +281,10 @@ static void patches_are_complete_and_prove(void)
     CHECK(all.patches > least && all.lists > least && all.proven > least && all.refused > least, "too few");
 }
 
-/* Ticks in contact at whose end the proxy had arrived in both worlds, and others; of the first, what felt something else. */
+/*
+ * Ticks in contact at whose end the proxy had arrived in both worlds, and others; of the first, what felt something
+ * else.
+ */
 static struct {
     uint64_t ticks, others, differ, farther;
 } felt;
