@@ -59,6 +59,7 @@ void dpti_proxy_leave(struct proxy *proxy)
     proxy->home = proxy->pose;
     proxy->home_tick = proxy->tick;
     proxy->has_home = 1;
+    proxy->has_been_inside = 0;
 }
 
 /* A body goes, by its id: forget its triangles, and what friction keeps of it. A proxy that it held is released. */

@@ -234,6 +234,7 @@ struct proxy {
      */
     dpt_pose home;
     uint32_t has_home;
+    uint32_t has_been_inside; /* since then, by contact */
     uint32_t home_tick;
     double free_turn[4]; /* the device's orientation in the last tick that it was there */
     double body_path;    /* m: of the world, in its last step */
