@@ -11,12 +11,10 @@
 static int open_world(struct soft_scene *scene)
 {
     const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, RADIUS };
-    const struct force_options options = { .law = DPT_LAW_PROXY, .stiffness = 100.0, .friction = NAN };
-    dpt_world_def def = rig_def(DPT_LAW_PROXY);
+    const struct force_options options = { .law = DPT_LAW_POINT, .stiffness = 100.0, .friction = NAN };
+    /* What a proxy holds is solved together with the tissue. Here loads move it, as where physics is elsewhere. */
+    dpt_world_def def = rig_def(DPT_LAW_POINT);
     def.max_bodies = scene->bodies.count;
-    /* Surfaces that yield are not solved together with a tool: loads move the tissue, as where physics is elsewhere. */
-    for (uint32_t i = 0; i < scene->bodies.count; i++)
-        scene->bodies.body[i].settings.stiffness = 1e9;
     if (!rig_open(&scene->rig, &def, NULL, &ball, 1))
         return 0;
     dpt_result result = scene_bodies_add(&scene->bodies, scene->rig.world, &options);
