@@ -200,7 +200,7 @@ struct proxy {
     uint32_t is_released;
     uint32_t reason;    /* DPT_FORCE_... of this tick */
     uint32_t is_behind; /* a budget makes it wait, or the felt force has not caught up since */
-    uint32_t reserved;
+    uint32_t home_tick; /* of the pose at home */
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
     /* From here on a tick may change it although it stands still. */
@@ -208,32 +208,27 @@ struct proxy {
     dpt_pose last_device_pose;
     /*
      * Where it was at the end of its last step together with tissue (src/tissue), and its motion in that; without such a
-     * step since the world's last one, where the proxy was before that.
+     * step since the world's last one, where the proxy was before that. While it has a home, that: it was put, or is
+     * doubted, and from there it has a side of each surface.
      */
     dpt_pose end;
     struct displacement end_motion;
     struct displacement pushed; /* what pushed it there, over the stiffness: with a damper not what is felt */
     struct displacement last_pushed;
-    uint32_t sticking; /* contacts with friction */
-    uint32_t slipping;
+    uint16_t sticking; /* contacts with friction */
+    uint16_t slipping;
     uint32_t is_ended;   /* there was such a step since the world's last one */
     uint32_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
     uint32_t is_sliding; /* all contacts slid */
-    uint32_t reserved_end;
+    uint32_t has_home;
     double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
     uint32_t clock;
     uint32_t tick;     /* the world's, of its last step */
     uint32_t is_still; /* the last tick left it as it was */
-    /*
-     * While it was put, or is doubted: where it was last before that, in which tick. From there it has a side of each
-     * surface.
-     */
-    dpt_pose home;
-    uint32_t has_home;
-    uint32_t home_tick;
-    double free_turn[4]; /* the device's orientation in the last tick that it was there */
-    double body_path;    /* m: of the world, in its last step */
+    float free_turn
+        [3]; /* the vector of the device's orientation in the last tick that it was there; its w is not below 0 */
+    double body_path; /* m: of the world, in its last step */
 };
 
 /* The nearest pair over all bodies, and what is proven about it. */
