@@ -225,11 +225,12 @@ $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cde
 	  libdynpoint_compile=src/compile libdynpoint_drivers=drivers libdynpoint_urdf=src/urdf \
 	  libdynpoint_convex=src/convex
 
-amalgamation: ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
-	@rm -rf $(B)/amalgamation && mkdir -p $(B)/amalgamation
-	@$(PYTHON) -B tools/packaging/amalgamate.py $(B)/amalgamation dynpoint=$(call folders,$(CORE:$(B)/%.o=%.c)) \
+amalgamation: $(B)/amalgamation/LICENSE ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
+$(B)/amalgamation/LICENSE: LICENSE tools/packaging/amalgamate.py $(wildcard include/*.h include/*/*.h $(FOLDERS:%=src/%/*.[ch]) src/compile/*.[ch] src/text/*.[ch])
+	@rm -rf $(@D) && mkdir -p $(@D)
+	@$(PYTHON) -B tools/packaging/amalgamate.py $(@D) dynpoint=$(call folders,$(CORE:$(B)/%.o=%.c)) \
 	  dynpoint_compile=$(call folders,$(patsubst $(B)/%.o,%.c,$(COMPILE) $(TEXT)))
-	@cp LICENSE $(B)/amalgamation
+	@cp LICENSE $@
 
 demo: ## build, make a liver, slide a tool over it, and prove every answer
 	@echo building ...

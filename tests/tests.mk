@@ -302,7 +302,7 @@ test-programs: all $(filter-out $(call not_run,2),$(TESTS))
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
 check-programs: $(if $(filter scalar,$(CONFIG)),$(LIBS:%=%.a),all) $(filter-out $(call not_run,$(COLUMN)),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS))
 ifeq ($(CONFIG),release)
-check-programs: $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
+check-programs: $(if $(shell command -v $(PYTHON)),$(B)/amalgamation/LICENSE) $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
 endif
 .PHONY: test-programs check-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
@@ -334,6 +334,7 @@ $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared
 stability: all ## run the laboratory of force, and make docs/stability.md and its charts of it
 	@mkdir -p $(B)/bench
 	$(B)/dynpoint stability --json >$(B)/bench/stability.json || [ $$? -eq 1 ]
+	$(B)/dynpoint stability hum --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
 charts: measured ## measure as bench does, draw docs/charts and keep their data

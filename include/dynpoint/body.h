@@ -105,9 +105,8 @@ typedef struct dpt_deformable_def {
     const dpt_mesh *mesh; /* its topology, and where the vertices are at first; it must stay open */
     const dpt_pose *pose; /* of the body; read during the call; NULL: the identity */
     /*
-     * In the body's frame, m: vertices never leave this box. It holds the mesh. It costs time if it is far larger than
-     * what vertices reach. Ends are rounded to float. All zeros: the mesh's own box, wider by half of its diagonal on
-     * every side.
+     * In the body's frame, m: vertices never leave this box. It holds the mesh, and its size costs nothing. Ends are rounded
+     * to float. All zeros: it ends at DPT_COORDINATE_MAX
      */
     double box_min[3];
     double box_max[3];
@@ -163,10 +162,12 @@ DPT_API dpt_result dpt_body_add_deformable(dpt_world *world, void *block, size_t
  *              bound that is too small makes answers wrong
  *
  * DPT_E_FINITE: a position is no number or outside of the def's box. DPT_E_ARGUMENT: an index is too large. Nothing has
- * moved then. DPT_E_HANDLE: no deformable body has this id.
+ * moved then: the body is held where it was, which dpt_step.flags tells after DPT_E_FINITE, and all else goes on.
+ * DPT_E_HANDLE: no deformable body has this id.
  *
  * A call on all vertices takes time in proportion to their number. One on a few takes time in proportion to the leaves
- * of the mesh's tree too, which is a hundredth of it.
+ * of the mesh's tree too, which is a hundredth of it. A body that has come half of its diagonal away from where it was has
+ * its boxes made anew, which takes as long as ten calls on all vertices.
  */
 DPT_API dpt_result dpt_body_set_vertices(dpt_world *world, dpt_body body, uint32_t first, uint32_t count,
                                          const float *positions, double bound);

@@ -47,7 +47,9 @@ typedef struct dpt_record_header {
 /* Bits of dpt_record.flags. */
 enum {
     /* The tool was moved to this sample. Without it the fields from `result` to `point` that are answers are 0. */
-    DPT_RECORD_FLAG_FELT = 1
+    DPT_RECORD_FLAG_FELT = 1,
+    /* A body that gives way was held where it was (springs.h), because it could not be moved. */
+    DPT_RECORD_FLAG_BODY_HELD = 2
 };
 
 /*

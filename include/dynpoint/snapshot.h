@@ -103,7 +103,8 @@ DPT_API dpt_result dpt_snapshot_get_info(const void *block, size_t bytes, dpt_sn
 /* Bits of dpt_snapshot_body.flags. */
 enum {
     DPT_SNAPSHOT_BODY_FLAG_DEFORMS = 1, /* it has vertices of its own */
-    DPT_SNAPSHOT_BODY_FLAG_STALE = 2    /* its pose cannot be used */
+    DPT_SNAPSHOT_BODY_FLAG_STALE = 2,   /* its pose cannot be used */
+    DPT_SNAPSHOT_BODY_FLAG_HELD = 4     /* it was held where it was, in this tick or after it (springs.h) */
 };
 
 typedef struct dpt_snapshot_body {
@@ -140,6 +141,7 @@ typedef struct dpt_snapshot_tool {
     double energy;
     double lag;
     double body_work;
+    dpt_pose end; /* as dpt_tool_get_end; in snapshots of 0.2 as the proxy */
 } dpt_snapshot_tool;
 
 /*

@@ -120,8 +120,14 @@ typedef struct dpt_springs_info {
     uint32_t substeps;
     uint32_t nodes;  /* all of them */
     uint32_t active; /* those that were not asleep */
-    uint32_t reserved;
+    /*
+     * Units that contact solved together with the tissue took (dpt_world_def.budget); of bodies that were solved together
+     * they are told of the first one, and 0 of the others
+     */
+    uint32_t work;
     double stable_step; /* s: dpt_springs_get_stable_step */
+    int32_t result;     /* of dpt_bodies_step_springs: DPT_OK, or why the body was held where it was */
+    uint32_t reserved_word;
 } dpt_springs_info;
 
 /*
@@ -170,8 +176,9 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * With DPT_RESPONSE_LOAD a tool with a proxy and the tissue are solved together: no point of the tool is in the tissue
  * after the step, and what moves the tissue is what is felt. From then on the tool's wrench, loads and energy are those of
  * this answer: read and send them after this call, in the same tick. Friction sticks to where the tool was after the last
- * step, so what lies on a tool weighs on it what it weighs. All of this holds for bodies without a surface's stiffness, a
- * load_radius and a period. Elsewhere the wrench is that of the world's step, and its loads act on the nodes.
+ * step, so what lies on a tool weighs on it what it weighs. All of this holds for bodies without
+ * a period. With a load_radius a touch loads and feels the same patch of the surface. Elsewhere the wrench is that of the
+ * world's step, and its loads act on the nodes.
  *
  * With DPT_RESPONSE_DISPLACE, which is for nodes that are the vertices, nodes are where tools have moved them, and no longer
  * go into the tool; the body's friction acts on what goes along it (dpt_body_settings). It is the paper's, for the laws
@@ -180,10 +187,14 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  *
  *   springs  made with the body's mesh
  *
- * DPT_E_ARGUMENT: of another mesh, or as for dpt_springs_step. DPT_E_UNSUPPORTED: DISPLACE with an embedding or a
- * period. DPT_E_FULL: more loads than max_loads or dpt_deformable_def.max_points have room for. DPT_E_FINITE: as for
- * dpt_springs_step; or a vertex would leave the body's box, and none has moved. In the last case alone the springs have
- * gone on.
+ * DPT_E_ARGUMENT: of another mesh, or dt is out of range; DPT_E_HANDLE: no deformable body has this id. Nothing has moved
+ * then. After any other error the body is held: its springs and vertices are where they were before the call, it is felt
+ * as a rigid body that does not move, and dpt_step.flags tells it. The next step tries again.
+ *
+ *   DPT_E_FINITE       as for dpt_springs_step; or a vertex would leave the body's box (dpt_deformable_def)
+ *   DPT_E_UNSTABLE     as for dpt_springs_step
+ *   DPT_E_FULL         more loads than max_loads or dpt_deformable_def.max_points have room for
+ *   DPT_E_UNSUPPORTED  DISPLACE with an embedding or a period
  */
 DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,
                                          dpt_springs_info *info);
@@ -196,7 +207,8 @@ DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_sp
  *   bodies, springs  `count` of them, each once
  *   infos            `count`, with the size of each set, or NULL
  *
- * Errors are those of dpt_body_step_springs; those of arguments come before anything has moved.
+ * Errors are those of dpt_body_step_springs. The trouble of one body is not that of the others: it is held, and they go on,
+ * as if it were rigid. The call returns the error of the first body that is held; `result` of infos tells which ones are.
  */
 DPT_API dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt_springs *const *springs,
                                            uint32_t count, double dt, dpt_springs_info *infos);

@@ -104,12 +104,24 @@ DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, 
  */
 DPT_API dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
 
+/*
+ * The pose in which the last step of springs left the tool (dpt_body_step_springs), beside the tissue as it is after that.
+ * There friction holds it, and there its proxy goes in the next step of the world. It is the pose of dpt_tool_get_proxy
+ * after a step of the world, until springs are stepped, and for tools that touch none. The identity on an error.
+ */
+DPT_API dpt_result dpt_tool_get_end(const dpt_world *world, dpt_tool tool, dpt_pose *pose);
+
 /* As dpt_body_is_valid. */
 DPT_API int dpt_tool_is_valid(const dpt_world *world, dpt_tool tool);
 
 /*
- * The nearest pair of a tool and all bodies, from the last step. Where a proxy is held back, the contact is
- * DPT_CONTACT_PENETRATING, and gap and depth are not known.
+ * The nearest pair of a tool and all bodies, from the last step, at the device's pose. Where a proxy is held back, the
+ * contact is DPT_CONTACT_PENETRATING, and gap and depth are not known. The force does not need this pair, so it is
+ * searched for when it is read first: here, in a snapshot, or in a step that reports (dpt_world_step). The search spends
+ * no more than the step has left of its budget. It adds to the hit's `work` and not to dpt_world_info.work, and nothing
+ * later depends on it. If a body was added, removed, teleported, or made felt or unfelt between the step and the first
+ * reading, or with tips if a body was moved, the hit is stale. With deformable bodies, and with near_only, each step
+ * searches.
  */
 DPT_API dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit);
 
@@ -121,6 +133,9 @@ DPT_API dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool too
  * stated order of bodies. Within a body they run from the segment's end a.
  *   contacts   at most `capacity` are written. contacts[0].size must be set. May be NULL if capacity is 0
  *   count      how many there are, which may be more than `capacity`
+ *
+ * DPT_E_FULL: the world has no room for contacts, as by default: dpt_world_def.max_contacts is 0. Then none are searched
+ * for, and `count` is 0.
  */
 DPT_API dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_contact *contacts,
                                          uint32_t capacity, uint32_t *count);
@@ -192,8 +207,8 @@ enum {
      */
     DPT_FORCE_FLAG_APART = 128,
     /*
-     * In the tissue's step the tool touched in more places than are counted at one time: the nearest were. Or there was no
-     * push that kept it out of all of them.
+     * In the tissue's step the tool touched in more places than are counted at one time, or than the budget was enough for:
+     * the nearest were. Or there was no push that kept it out of all of them.
      */
     DPT_FORCE_FLAG_CROWDED = 256
 };

@@ -9,10 +9,9 @@
  *     dpt_world_create(block, dpt_world_bytes(&def), &def, &world);
  *     dpt_body_add(world, mesh, &pose, &body);
  *     dpt_tool_add(world, &segment, 1, &tool);
- *     dpt_step out = { .size = sizeof out };
  *     for each tick:
  *         dpt_tool_set_pose(world, tool, &device_pose);
- *         dpt_world_step(world, dt, &out);
+ *         dpt_world_step(world, dt, NULL);
  *         dpt_tool_get_wrench(world, tool, &wrench);
  *
  * Threads: a world and all calls on it belong to one thread at a time, getters too. Different worlds may run in
@@ -72,6 +71,7 @@ enum { DPT_STRIP_KIND_NONE = 0, DPT_STRIP_KIND_SHADOW = 1, DPT_STRIP_KIND_ROUTES
  * its exact answer after some steps. Units that the searches leave are spent on contact: first on the gap and the
  * force, then on the contacts, which are DPT_CONTACT_FLAG_COARSE if the budget ends them. With a small budget the
  * contact of a tool at rest may stay unknown. docs/algorithms/budget.md says what a step costs beside its budget.
+ * Contact that is solved together with tissue (dpt_bodies_step_springs) has as many units again.
  */
 typedef struct dpt_world_def {
     uint32_t size;         /* sizeof(dpt_world_def), set by dpt_world_def_init */
@@ -92,11 +92,11 @@ typedef struct dpt_world_def {
     double side_limit; /* of new bodies, see dpt_body_settings; 0 */
     double fade;       /* s, 0..1, see dpt_tool_get_force_info; 0.002 */
     /*
-     * Of all tools together, 0..65535. 0: none are listed, and a tick takes about half the time. The force of
-     * DPT_LAW_PROXY is the same. Those of POINT and BED are, too, on closed meshes, within rounding. On open sheets they
-     * lose the side from which a tool came: while the axis goes through a sheet there is no force
-     * (DPT_FORCE_UNDECIDED), and beyond it none pushes the tool back. DPT_LAW_BED has its loads (dpt_tool_get_loads) at
-     * the nearest pair. Ask for what you read or show, 32 say; 0
+     * Of all tools together, 0..65535. 0: none are listed (dpt_tool_get_contacts returns DPT_E_FULL), and a tick takes
+     * about half the time. The force of DPT_LAW_PROXY is the same. Those of POINT and BED are, too, on closed meshes,
+     * within rounding. On open sheets they lose the side from which a tool came: while the axis goes through a sheet
+     * there is no force (DPT_FORCE_UNDECIDED), and beyond it none pushes the tool back. DPT_LAW_BED has its loads
+     * (dpt_tool_get_loads) at the nearest pair. Ask for what you read or show, 32 say; 0
      */
     uint32_t max_contacts;
     /*
@@ -200,7 +200,10 @@ typedef struct dpt_step {
 enum {
     /* More contacts needed room than max_contacts, those included that are kept while they are unknown. Forces and
        depths include all of them. */
-    DPT_STEP_FLAG_CONTACTS_FULL = 1
+    DPT_STEP_FLAG_CONTACTS_FULL = 1,
+    /* A body that gives way was held where it was since the step before: new positions of it, or a step of its springs, were
+       refused, as the call that made them has returned (body.h, springs.h). All else is as if it had not moved. */
+    DPT_STEP_FLAG_BODY_HELD = 2
 };
 
 /*
@@ -210,7 +213,8 @@ enum {
  * A tool that stands still, with all that it depends on, is not searched for again: its answers stay, and their
  * `work` is 0. Its force goes on, with fades and dampers (docs/algorithms/rest.md).
  *
- *   out   may be NULL
+ *   out   may be NULL. Otherwise the step finds the hits of tools that a proxy holds back, too, which no force needs
+ *         (dpt_tool_get_hit)
  */
 DPT_API dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out);
 

@@ -255,6 +255,10 @@ static void prove_deepest(struct distance_profile *profile, const struct region 
     if (nearer != DPT_NONE)
         deepest = &profile->sample[nearer];
     deepest->is_exact = deepest->is_proven = 1;
+    /* Of samples that are as deep, as all of an axis without length are, any may be the region's deepest. */
+    for (uint32_t i = 0; i < profile->sample_count; i++)
+        profile->sample[i].is_proven |= profile->sample[i].s >= region->from && profile->sample[i].s <= region->to &&
+                                        profile->sample[i].height <= deepest->height;
 }
 
 /* Add a sample to the first region without one, or prove the first that lacks a proof. Returns 0 if all are done. */

@@ -9,25 +9,12 @@ enum { BALANCE_PASSES = 3 };
 /* Vertices lie on a line if the determinant of their moments is below this share of the trace cubed. */
 #define FLAT 1e-12
 
-/* A table of vertices: the patch's, and so many of those that were too far. */
-enum { KNOWN_BITS = 10, KNOWN_SLOTS = 1 << KNOWN_BITS, KNOWN_FAR = 512 };
-typedef char slots_are_left[(int)KNOWN_SLOTS > (int)KNOWN_FAR + (int)LOAD_PATCH_MAX ? 1 : -1];
-
-/* The vertices over which a point's force is spread, with their shares. */
-struct load_patch {
-    uint32_t count;
-    uint32_t vertex[LOAD_PATCH_MAX];
-    double share[LOAD_PATCH_MAX]; /* their sum is 1 */
-    uint32_t known[KNOWN_SLOTS];  /* those in the table, each one more than its number; 0: none */
-    uint32_t far_count;
-};
-
 /* Where in the table a vertex is, or may be. The factor, of the golden ratio, scatters neighbours' numbers. */
 static uint32_t slot_of(const struct load_patch *patch, uint32_t vertex)
 {
-    uint32_t slot = (vertex * 2654435769u) >> (32 - KNOWN_BITS);
+    uint32_t slot = (vertex * 2654435769u) >> (32 - LOAD_TABLE_BITS);
     while (patch->known[slot] && patch->known[slot] != vertex + 1)
-        slot = (slot + 1) % KNOWN_SLOTS;
+        slot = (slot + 1) % LOAD_TABLE;
     return slot;
 }
 
@@ -56,7 +43,7 @@ static void add_if_near(const struct surface *surface, const struct load_point *
     const vec3 away = sub(surface_vertex(surface, vertex), point->at);
     const double ratio = dot(away, away) / (radius * radius);
     const int is_near = ratio < 1.0;
-    if (is_near || patch->far_count++ < KNOWN_FAR)
+    if (is_near || patch->far_count++ < LOAD_FAR)
         patch->known[slot] = vertex + 1;
     if (!is_near)
         return;
@@ -93,7 +80,36 @@ static void take_corners(const struct surface *surface, const struct load_point 
     }
 }
 
-static void make_patch(const struct surface *surface, const struct load_point *point, double radius,
+/*
+ * Make shares linear across the point's normal, so that their mean lies on the line along it. Returns 0 where vertices lie on
+ * a line, as they are seen along the normal.
+ */
+static int level_shares(const struct surface *surface, const struct load_point *point, struct load_patch *patch)
+{
+    vec3 across[2], middle = { 0.0, 0.0, 0.0 };
+    double uu = 0.0, uv = 0.0, vv = 0.0;
+    unit_across(point->normal, across);
+    for (uint32_t i = 0; i < patch->count; i++)
+        middle = along(middle, patch->share[i], surface_vertex(surface, patch->vertex[i]));
+    for (uint32_t i = 0; i < patch->count; i++) {
+        const vec3 r = sub(surface_vertex(surface, patch->vertex[i]), middle);
+        const double u = dot(r, across[0]), v = dot(r, across[1]);
+        uu += patch->share[i] * u * u;
+        uv += patch->share[i] * u * v;
+        vv += patch->share[i] * v * v;
+    }
+    const double determinant = uu * vv - uv * uv;
+    if (!(determinant > FLAT * (uu + vv) * (uu + vv)))
+        return 0;
+    const vec3 missing = sub(point->at, middle);
+    const double u = dot(missing, across[0]) / determinant, v = dot(missing, across[1]) / determinant;
+    const vec3 slope = along(scaled(across[0], vv * u - uv * v), uu * v - uv * u, across[1]);
+    for (uint32_t i = 0; i < patch->count; i++)
+        patch->share[i] *= 1.0 + dot(slope, sub(surface_vertex(surface, patch->vertex[i]), middle));
+    return 1;
+}
+
+void dpti_deform_patch(const struct surface *surface, const struct load_point *point, double radius,
                        struct load_patch *patch)
 {
     double sum = 0.0;
@@ -108,6 +124,8 @@ static void make_patch(const struct surface *surface, const struct load_point *p
     }
     for (uint32_t i = 0; i < patch->count; i++)
         patch->share[i] /= sum;
+    if (dot(point->normal, point->normal) > 0.0 && !level_shares(surface, point, patch))
+        take_corners(surface, point, patch);
 }
 
 /* The loads of one tool. While they are made, `reserved` of each holds how much it may change, as a float. */
@@ -203,7 +221,7 @@ uint32_t dpti_deform_spread(const struct surface *surface, const struct load_poi
     struct spread spread = { .surface = surface, .loads = loads };
     struct load_patch patch;
     for (uint32_t p = 0; p < point_count; p++) {
-        make_patch(surface, &points[p], radius, &patch);
+        dpti_deform_patch(surface, &points[p], points[p].is_narrow ? 0.0 : radius, &patch);
         for (uint32_t i = 0; i < patch.count; i++, spread.count++)
             if (spread.count < capacity)
                 put_load(&loads[spread.count], patch.vertex[i], patch.share[i], points[p].force);

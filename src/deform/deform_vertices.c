@@ -38,6 +38,41 @@ int dpti_deform_is_inside(const struct surface *surface, const struct kernel *ke
     return 1;
 }
 
+static void extend(double low[3], double high[3], const float position[3])
+{
+    for (int k = 0; k < 3; k++) {
+        low[k] = min_of(low[k], (double)position[k]);
+        high[k] = max_of(high[k], (double)position[k]);
+    }
+}
+
+int dpti_deform_is_in_limit(const struct surface *surface, const float *positions, uint32_t count)
+{
+    const struct surface_motion *motion = surface->motion;
+    for (size_t i = 0; i < 3 * (size_t)count; i++)
+        if (!((double)positions[i] >= motion->limit_min[i % 3] && (double)positions[i] <= motion->limit_max[i % 3]))
+            return 0;
+    return 1;
+}
+
+void dpti_deform_extent(const struct surface *surface, const struct vertex_update *update, const float *target,
+                        double low[3], double high[3])
+{
+    const struct surface_motion *motion = surface->motion;
+    for (int k = 0; k < 3; k++) {
+        low[k] = HUGE_VAL;
+        high[k] = -HUGE_VAL;
+    }
+    for (size_t i = 0; i < update->count; i++)
+        extend(low, high, update->positions + 3 * i);
+    for (uint32_t v = 0; v < motion->mesh->vertices; v++) {
+        extend(low, high, motion->positions + 3 * (size_t)v);
+        extend(low, high, surface_motion_previous(motion, v, update->tick));
+        if (target)
+            extend(low, high, target + 3 * (size_t)v);
+    }
+}
+
 /* The first update of a tick. */
 static void begin_tick(struct surface_motion *motion, uint32_t tick)
 {

@@ -23,6 +23,16 @@ struct vertex_update {
     uint32_t tick; /* the world's, before which they move */
 };
 
+/* 1 if all positions are numbers and lie in the surface's limit, up to which its box can be moved. */
+int dpti_deform_is_in_limit(const struct surface *surface, const float *positions, uint32_t count);
+
+/*
+ * The box, from `low` to `high`, of an update, of all vertices, now and before its tick, and of where they are bound for
+ * (NULL: nowhere else).
+ */
+void dpti_deform_extent(const struct surface *surface, const struct vertex_update *update, const float *target,
+                        double low[3], double high[3]);
+
 /*
  * Move vertices; they are inside the surface's box. Sets *has_begun_anew if travels start again from 0: then cached
  * planes of the surface are invalid. Returns how far any vertex of the body moved in this update at most, m.

@@ -353,11 +353,14 @@ int dpti_implicit_substep(struct implicit_step *step, uint32_t *flags)
     return 1;
 }
 
-void dpti_implicit_step_end(struct implicit_step *step, int is_kept)
+void dpti_implicit_undo(struct implicit_step *step, uint32_t substeps)
 {
     struct dpt_springs *springs = step->springs;
-    if (is_kept || !step->done)
+    if (!step->done)
         return;
-    memcpy(springs->state[springs->now], springs->solve.begin, springs->net.slices * sizeof(struct spring_slice));
+    if (substeps > 1)
+        memcpy(springs->state[springs->now], springs->solve.begin, springs->net.slices * sizeof(struct spring_slice));
+    else
+        springs->now = 1 - springs->now;
     dpti_implicit_forget(springs);
 }

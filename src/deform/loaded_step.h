@@ -32,8 +32,9 @@ void dpti_explicit_begin(struct explicit_step *step, struct dpt_springs *springs
 /* Make a substep with the loads that are set. Returns 0 if it would leave the finite range. */
 int dpti_explicit_substep(struct explicit_step *step);
 
-/* Take the state that was reached, or with `is_kept` 0 go back to where the step began. */
-void dpti_explicit_end(struct explicit_step *step, int is_kept);
+/* Take the state that was reached. Or go back to where the step began, also if what was reached had been taken. */
+void dpti_explicit_take(struct explicit_step *step);
+void dpti_explicit_undo(struct explicit_step *step, int is_taken);
 
 /*
  * Where a substep would take a slice's nodes with the loads that are set: how far from where they are, m, in rows of 16 x,
@@ -66,7 +67,7 @@ struct implicit_step {
 /* These are as those above. */
 void dpti_implicit_step_begin(struct implicit_step *step, struct dpt_springs *springs, double h, uint32_t substeps);
 int dpti_implicit_substep(struct implicit_step *step, uint32_t *flags);
-void dpti_implicit_step_end(struct implicit_step *step, int is_kept);
+void dpti_implicit_undo(struct implicit_step *step, uint32_t substeps);
 void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, double moved[SPRING_ROWS]);
 vec3 dpti_implicit_place(const struct implicit_step *step, uint32_t node);
 double dpti_implicit_response(const struct implicit_step *step, uint32_t node);
@@ -77,6 +78,8 @@ struct loaded_step {
     double dt;
     uint32_t load_count; /* on vertices, in springs->vertices.loads: those of all substeps */
     dpt_springs_info info;
+    int has_failed;                /* a substep would have left the finite range */
+    int is_taken;                  /* the state that was reached is that of the springs */
     struct explicit_step explicit; /* of SYMPLECTIC and EULER */
     struct implicit_step implicit; /* of IMPLICIT */
 };
@@ -103,7 +106,15 @@ double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node);
 /* Make the substep. Returns 0 if it would leave the finite range. */
 int dpti_loaded_step_go(struct loaded_step *step);
 
-/* End the step: with is_done 0 nothing has moved. `info` may be NULL. */
-dpt_result dpti_loaded_step_end(struct loaded_step *step, int is_done, dpt_springs_info *info);
+/*
+ * End the step, after all of its substeps: take the state that was reached, which may still be undone, and then keep it.
+ * Or, at any time before, undo it: nothing has moved then.
+ */
+void dpti_loaded_step_take(struct loaded_step *step);
+void dpti_loaded_step_keep(struct loaded_step *step);
+void dpti_loaded_step_undo(struct loaded_step *step);
+
+/* A step with the loads on vertices alone. Returns 0 if it would leave the finite range. */
+int dpti_loaded_step_make(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t load_count);
 
 #endif

@@ -93,6 +93,7 @@ struct dpt_springs {
     struct spring_solve solve;
     struct spring_vertices vertices;
     struct spring_contact contact;
+    dpt_result result; /* of the last step with a world: DPT_OK, or why its body was held */
 };
 
 /* The sum of 16 lanes, in a fixed order. */

@@ -107,14 +107,17 @@ int dpti_explicit_substep(struct explicit_step *step)
     return !bad;
 }
 
-void dpti_explicit_end(struct explicit_step *step, int is_kept)
+void dpti_explicit_take(struct explicit_step *step)
+{
+    step->springs->now = 1 - step->springs->now;
+}
+
+void dpti_explicit_undo(struct explicit_step *step, int is_taken)
 {
     struct dpt_springs *springs = step->springs;
-    const struct spring_slice *last = springs->state[springs->now];
-    if (is_kept) {
+    if (is_taken)
         springs->now = 1 - springs->now;
-        return;
-    }
+    const struct spring_slice *last = springs->state[springs->now];
     for (uint32_t i = 0; i < springs->region.count; i++) {
         const size_t slice = springs->region.slices[i];
         springs->kernel.spring_points(last + slice, step->motion.lead,
@@ -129,7 +132,10 @@ int dpti_springs_substeps(struct dpt_springs *springs, double h, uint32_t count)
     dpti_explicit_begin(&step, springs, h);
     for (uint32_t i = 0; i < count && is_done; i++)
         is_done = dpti_explicit_substep(&step);
-    dpti_explicit_end(&step, is_done);
+    if (is_done)
+        dpti_explicit_take(&step);
+    else
+        dpti_explicit_undo(&step, 0);
     return is_done;
 }
 

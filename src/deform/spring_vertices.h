@@ -24,10 +24,7 @@ void dpti_spring_vertices_note(struct dpt_springs *springs);
  */
 uint32_t dpti_spring_vertices_gather(struct dpt_springs *springs);
 
-/* Whether a step of dt can be taken, and its report can be used. In springs.c. */
-dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_info *info);
-
-/* As dpt_springs_step, with `count` loads on vertices that are in vertices.loads, and valid. In springs.c. */
-dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count, dpt_springs_info *info);
+/* Whether dt is a step's length, and a report can be used. In springs.c. */
+dpt_result dpti_springs_check_step(double dt, const dpt_springs_info *info);
 
 #endif

@@ -363,55 +363,78 @@ static void wake(struct loaded_step *step)
 int dpti_loaded_step_go(struct loaded_step *step)
 {
     wake(step);
-    return is_implicit(step) ? dpti_implicit_substep(&step->implicit, &step->info.flags)
-                             : dpti_explicit_substep(&step->explicit);
+    step->has_failed = is_implicit(step) ? !dpti_implicit_substep(&step->implicit, &step->info.flags)
+                                         : !dpti_explicit_substep(&step->explicit);
+    return !step->has_failed;
 }
 
-static dpt_result end_step(struct loaded_step *step, int is_done, dpt_springs_info *info)
+void dpti_loaded_step_take(struct loaded_step *step)
+{
+    if (!is_implicit(step) && !step->is_taken)
+        dpti_explicit_take(&step->explicit);
+    step->is_taken = 1;
+    dpti_spring_vertices_note(step->springs);
+}
+
+void dpti_loaded_step_keep(struct loaded_step *step)
+{
+    dpti_region_settle(step->springs, step->dt);
+}
+
+/* The largest squared speed of a slice. */
+static float square_of(const struct spring_slice *slice)
+{
+    float square = 0.0f;
+    for (int lane = 0; lane < LANES; lane++) {
+        const float x = slice->v[lane], y = slice->v[LANES + lane], z = slice->v[2 * LANES + lane];
+        square = x * x + y * y + z * z > square ? x * x + y * y + z * z : square;
+    }
+    return square;
+}
+
+/* What may have been gathered of its vertices is gathered anew after the next step. */
+void dpti_loaded_step_undo(struct loaded_step *step)
 {
     struct dpt_springs *springs = step->springs;
-    if (!is_done) {
-        springs->loaded = 1 - springs->loaded;
-        return DPT_E_FINITE;
+    if (is_implicit(step))
+        dpti_implicit_undo(&step->implicit, step->info.substeps);
+    else
+        dpti_explicit_undo(&step->explicit, step->is_taken);
+    springs->loaded = 1 - springs->loaded;
+    for (uint32_t i = 0; i < springs->region.count; i++) {
+        const uint32_t slice = springs->region.slices[i];
+        springs->region.square[slice] = square_of(springs->state[springs->now] + slice);
     }
     dpti_spring_vertices_note(springs);
-    dpti_region_settle(springs, step->dt);
-    if (info)
-        sized_write(info, info->size, &step->info, sizeof step->info);
-    return DPT_OK;
 }
 
-dpt_result dpti_loaded_step_end(struct loaded_step *step, int is_done, dpt_springs_info *info)
+/* Make a step. vertices: loads are on those; NULL: on nodes. They are valid. */
+static int make(struct loaded_step *step, struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                const struct spring_vertices *vertices)
 {
-    if (is_implicit(step))
-        dpti_implicit_step_end(&step->implicit, is_done);
-    else
-        dpti_explicit_end(&step->explicit, is_done);
-    return end_step(step, is_done, info);
-}
-
-/* vertices: loads are on those; NULL: on nodes. They are valid. */
-static dpt_result step(struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                       const struct spring_vertices *vertices, dpt_springs_info *info)
-{
-    struct loaded_step step;
-    dpti_loaded_step_begin(&step, springs, dt, dpti_springs_substeps_of(springs, dt), 0);
+    dpti_loaded_step_begin(step, springs, dt, dpti_springs_substeps_of(springs, dt), 0);
     set_loads(&springs->loads[springs->loaded], loads, count, vertices);
-    wake(&step);
-    if (is_implicit(&step))
-        return end_step(&step, dpti_implicit_substep(&step.implicit, &step.info.flags), info);
-    return end_step(&step, dpti_springs_substeps(springs, dt / (double)step.info.substeps, step.info.substeps), info);
+    wake(step);
+    if (is_implicit(step))
+        return dpti_implicit_substep(&step->implicit, &step->info.flags);
+    step->is_taken = dpti_springs_substeps(springs, dt / (double)step->info.substeps, step->info.substeps);
+    return step->is_taken;
 }
 
-dpt_result dpti_springs_check_step(const struct dpt_springs *springs, double dt, const dpt_springs_info *info)
+int dpti_loaded_step_make(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t load_count)
+{
+    return make(step, springs, dt, springs->vertices.loads, load_count, &springs->vertices);
+}
+
+dpt_result dpti_springs_check_step(double dt, const dpt_springs_info *info)
 {
     if (info)
-        DPT_TRY(sized_check(info, sizeof *info, 0));
+        DPT_TRY(sized_check(info, SIZED_FIRST(dpt_springs_info, result), 0));
     if (!(fabs(dt) <= DBL_MAX))
         return DPT_E_FINITE;
     if (!(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX))
         return DPT_E_ARGUMENT;
-    return dpti_springs_substeps_of(springs, dt) ? DPT_OK : DPT_E_UNSTABLE;
+    return DPT_OK;
 }
 
 dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
@@ -419,15 +442,20 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
 {
     if (!springs)
         return DPT_E_ARGUMENT;
-    DPT_TRY(dpti_springs_check_step(springs, dt, info));
+    DPT_TRY(dpti_springs_check_step(dt, info));
+    if (!dpti_springs_substeps_of(springs, dt))
+        return DPT_E_UNSTABLE;
     DPT_TRY(check_loads(springs, loads, count));
-    return step(springs, dt, loads, count, NULL, info);
-}
-
-dpt_result dpti_springs_step_loaded(dpt_springs *springs, double dt, uint32_t count, dpt_springs_info *info)
-{
-    DPT_TRY(dpti_springs_check_step(springs, dt, info));
-    return step(springs, dt, springs->vertices.loads, count, &springs->vertices, info);
+    struct loaded_step step;
+    if (!make(&step, springs, dt, loads, count, NULL)) {
+        dpti_loaded_step_undo(&step);
+        return DPT_E_FINITE;
+    }
+    dpti_loaded_step_take(&step);
+    dpti_loaded_step_keep(&step);
+    if (info)
+        sized_write(info, info->size, &step.info, sizeof step.info);
+    return DPT_OK;
 }
 
 dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions, float *speeds)

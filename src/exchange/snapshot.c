@@ -17,22 +17,32 @@ struct words {
     uint32_t at, count; /* at: in the struct */
 };
 static const struct {
-    uint32_t bytes; /* of the struct */
+    uint32_t first; /* bytes of the struct in the first release */
+    uint32_t bytes; /* and today */
     struct words narrow, wide;
 } items[SNAPSHOT_KINDS_END] = {
-    { 0, { 0, 0 }, { 0, 0 } },
-    { sizeof(dpt_snapshot_body), { offsetof(dpt_snapshot_body, id), 4 }, { offsetof(dpt_snapshot_body, user), 8 } },
-    { sizeof(dpt_snapshot_tool), { offsetof(dpt_snapshot_tool, id), 12 }, { offsetof(dpt_snapshot_tool, user), 25 } },
+    { 0, 0, { 0, 0 }, { 0, 0 } },
+    { sizeof(dpt_snapshot_body),
+      sizeof(dpt_snapshot_body),
+      { offsetof(dpt_snapshot_body, id), 4 },
+      { offsetof(dpt_snapshot_body, user), 8 } },
+    { offsetof(dpt_snapshot_tool, end),
+      sizeof(dpt_snapshot_tool),
+      { offsetof(dpt_snapshot_tool, id), 12 },
+      { offsetof(dpt_snapshot_tool, user), 32 } },
     { sizeof(dpt_snapshot_segment),
+      sizeof(dpt_snapshot_segment),
       { offsetof(dpt_snapshot_segment, status), 8 },
       { offsetof(dpt_snapshot_segment, a), 24 } },
     { sizeof(dpt_snapshot_contact),
+      sizeof(dpt_snapshot_contact),
       { offsetof(dpt_snapshot_contact, id), 8 },
       { offsetof(dpt_snapshot_contact, s0), 14 } },
     { sizeof(dpt_snapshot_strip),
+      sizeof(dpt_snapshot_strip),
       { offsetof(dpt_snapshot_strip, triangle), 4 },
       { offsetof(dpt_snapshot_strip, gap), 2 } },
-    { 0, { 0, 0 }, { 0, 0 } },
+    { 0, 0, { 0, 0 }, { 0, 0 } },
 };
 
 static uint32_t get4(const unsigned char *from)
@@ -83,13 +93,16 @@ void dpti_snapshot_put_vertices(const float *xyz, size_t count, unsigned char *t
     }
 }
 
-static void get_item(enum snapshot_kind kind, const unsigned char *from, unsigned char *item)
+/* An item of `stride` bytes: a short one lacks the last fields. */
+static void get_item(enum snapshot_kind kind, const unsigned char *from, uint32_t stride, unsigned char *item)
 {
+    const uint32_t there = (stride - 4 * items[kind].narrow.count) / 8;
+    const uint32_t wide = there < items[kind].wide.count ? there : items[kind].wide.count;
     for (uint32_t i = 0; i < items[kind].narrow.count; i++, from += 4) {
         const uint32_t word = get4(from);
         memcpy(item + items[kind].narrow.at + 4 * i, &word, sizeof word);
     }
-    for (uint32_t i = 0; i < items[kind].wide.count; i++, from += 8) {
+    for (uint32_t i = 0; i < wide; i++, from += 8) {
         const uint64_t word = get8(from);
         memcpy(item + items[kind].wide.at + 8 * i, &word, sizeof word);
     }
@@ -113,7 +126,7 @@ static dpt_result open_section(const unsigned char *entry, uint64_t begin, uint6
         return DPT_E_LAYOUT;
     if (kind == 0 || kind >= SNAPSHOT_KINDS_END)
         return kind ? DPT_OK : DPT_E_LAYOUT;
-    if (stride < snapshot_stride[kind] || block->section[kind].stride)
+    if (stride < snapshot_first_stride[kind] || block->section[kind].stride)
         return DPT_E_LAYOUT;
     block->section[kind].count = count;
     block->section[kind].stride = stride;
@@ -151,6 +164,16 @@ static const unsigned char *item_at(const struct block *block, enum snapshot_kin
     return block->bytes + block->section[kind].offset + (uint64_t)index * block->section[kind].stride;
 }
 
+static void read_item(const struct block *block, enum snapshot_kind kind, uint32_t index, void *item)
+{
+    const uint32_t stride = block->section[kind].stride;
+    get_item(kind, item_at(block, kind, index), stride, item);
+    if (kind == SNAPSHOT_TOOLS && stride < snapshot_stride[kind]) {
+        dpt_snapshot_tool *tool = item;
+        tool->end = tool->proxy;
+    }
+}
+
 /* 1 if `count` items of a kind from `first` on are there. */
 static int are_there(const struct block *block, enum snapshot_kind kind, uint32_t first, uint32_t count)
 {
@@ -162,13 +185,13 @@ static int holds_together(const struct block *block)
 {
     for (uint32_t i = 0; i < block->section[SNAPSHOT_BODIES].count; i++) {
         dpt_snapshot_body body;
-        get_item(SNAPSHOT_BODIES, item_at(block, SNAPSHOT_BODIES, i), (void *)&body);
+        read_item(block, SNAPSHOT_BODIES, i, &body);
         if (body.first_vertex != DPT_NONE && !are_there(block, SNAPSHOT_VERTICES, body.first_vertex, body.vertices))
             return 0;
     }
     for (uint32_t i = 0; i < block->section[SNAPSHOT_TOOLS].count; i++) {
         dpt_snapshot_tool tool;
-        get_item(SNAPSHOT_TOOLS, item_at(block, SNAPSHOT_TOOLS, i), (void *)&tool);
+        read_item(block, SNAPSHOT_TOOLS, i, &tool);
         if (!are_there(block, SNAPSHOT_SEGMENTS, tool.first_segment, tool.segments) ||
             !are_there(block, SNAPSHOT_CONTACTS, tool.first_contact, tool.contacts) ||
             !are_there(block, SNAPSHOT_STRIPS, tool.first_strip, tool.strip) || tool.nearest_segment >= tool.segments)
@@ -176,13 +199,13 @@ static int holds_together(const struct block *block)
     }
     for (uint32_t i = 0; i < block->section[SNAPSHOT_SEGMENTS].count; i++) {
         dpt_snapshot_segment segment;
-        get_item(SNAPSHOT_SEGMENTS, item_at(block, SNAPSHOT_SEGMENTS, i), (void *)&segment);
+        read_item(block, SNAPSHOT_SEGMENTS, i, &segment);
         if (segment.tool >= block->section[SNAPSHOT_TOOLS].count)
             return 0;
     }
     for (uint32_t i = 0; i < block->section[SNAPSHOT_CONTACTS].count; i++) {
         dpt_snapshot_contact contact;
-        get_item(SNAPSHOT_CONTACTS, item_at(block, SNAPSHOT_CONTACTS, i), (void *)&contact);
+        read_item(block, SNAPSHOT_CONTACTS, i, &contact);
         if (contact.tool >= block->section[SNAPSHOT_TOOLS].count)
             return 0;
     }
@@ -222,12 +245,12 @@ static dpt_result get(const void *bytes, size_t size, enum snapshot_kind kind, u
     struct block block;
     if (!out)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_check(out, items[kind].bytes, 0));
+    DPT_TRY(sized_check(out, items[kind].first, 0));
     sized_write(out, sized_of(out), item, items[kind].bytes);
     DPT_TRY(open_block(bytes, size, &block));
     if (!are_there(&block, kind, index, 1))
         return DPT_E_ARGUMENT;
-    get_item(kind, item_at(&block, kind, index), item);
+    read_item(&block, kind, index, item);
     sized_write(out, sized_of(out), item, items[kind].bytes);
     return DPT_OK;
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/lanes.h"
 #include "dynpoint/types.h"
 
 /* A constraint of which no more than this share is independent of the active ones depends on them. */
@@ -254,6 +255,9 @@ static void grow(struct complementarity *problem, const struct candidate *candid
 {
     for (uint32_t i = 0; i < problem->count; i++)
         problem->gap[i] += by * candidate->column[i];
+    /* Of all rows with each active column, and of the factor's half, twice. */
+    if (problem->work)
+        work_spend(problem->work, (problem->active_count + 1) * (problem->count + problem->active_count) / LANES + 1);
     for (uint32_t k = 0; k < problem->active_count; k++) {
         const double *column = column_of(problem, k), less = by * candidate->share[k];
         problem->multiplier[k] -= less;
@@ -341,7 +345,8 @@ int dpti_complementarity_solve(struct complementarity *problem)
         const uint32_t missed = most_missed(problem);
         if (missed == DPT_NONE)
             break;
-        result = add(problem, missed);
+        const int is_spent = problem->passes && problem->work && work_is_spent(problem->work);
+        result = is_spent ? (int)COMPLEMENTARITY_FULL : add(problem, missed);
     }
     finish(problem);
     return result;

@@ -12,7 +12,7 @@
 #ifndef DPT_COMPLEMENTARITY_H
 #define DPT_COMPLEMENTARITY_H
 
-#include <stdint.h>
+#include "base/work.h"
 
 enum { COMPLEMENTARITY_MAX = 384, COMPLEMENTARITY_ACTIVE_MAX = 160 };
 
@@ -20,7 +20,7 @@ enum { COMPLEMENTARITY_CONSTRAINT, COMPLEMENTARITY_EQUAL, COMPLEMENTARITY_WATCHE
 
 enum {
     COMPLEMENTARITY_SOLVED,
-    COMPLEMENTARITY_FULL,      /* more constraints would be active than there is room for: the answer lacks some */
+    COMPLEMENTARITY_FULL, /* more constraints would be active than there is room or work for: the answer lacks some */
     COMPLEMENTARITY_IMPOSSIBLE /* some constraint can be met by no multipliers: the answer lacks it */
 };
 
@@ -35,6 +35,11 @@ struct complementarity {
     void *user;
     /* Calls with the same number, other than 0, are of one matrix, to which rows may be added at its end. */
     uint32_t matrix;
+    /*
+     * Passes are counted: 16 products of rows of the factor or of columns are a unit. When it is spent, no more than one
+     * constraint is added. NULL: there is no limit.
+     */
+    struct work *work;
     /*
      * In: where to begin, the last answer's active constraints, or none. Out: those of this answer and the equalities,
      * ascending. An equality that depends on others is left out.

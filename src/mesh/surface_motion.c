@@ -342,11 +342,26 @@ static void set_frame(struct surface *surface, struct surface_motion *motion)
     motion->scale = (float)surface->filter_scale;
 }
 
-/* Fill all leaves and boxes, from the leaves up. */
-static void fill_all(struct surface_motion *motion)
+/* Of the mesh's diagonal: how much wider than what it is to hold a box is on every side. */
+#define ROOM_SHARE 0.5
+
+/* The box of what it is to hold, with room about it where the limit leaves any; its ends are rounded to float. */
+static void set_box(struct surface *surface, const double low[3], const double high[3])
 {
-    for (uint32_t leaf = 0; leaf < motion->count[0]; leaf++)
-        dpti_surface_follow_leaf(motion, leaf);
+    const struct surface_motion *motion = surface->motion;
+    const double wider = surface->diagonal > 0.0 ? ROOM_SHARE * surface->diagonal : 1.0;
+    double box_min[3], box_max[3];
+    for (int k = 0; k < 3; k++) {
+        box_min[k] = (double)(float)max_of(low[k] - wider, motion->limit_min[k]);
+        box_max[k] = (double)(float)min_of(high[k] + wider, motion->limit_max[k]);
+    }
+    surface->box_min = vec3_of(box_min);
+    surface->box_max = vec3_of(box_max);
+}
+
+/* Hand all boxes of leaves on to their parents, and so on up. */
+static void fill_nodes(struct surface_motion *motion)
+{
     for (uint32_t level = 1; level <= motion->levels; level++)
         for (uint32_t node = 0; node < motion->count[level]; node++) {
             float *block = parent_block(motion, level, node);
@@ -356,25 +371,46 @@ static void fill_all(struct surface_motion *motion)
         }
 }
 
-void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3], const double box_max[3], char *at,
+void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double limit_min[3], const double limit_max[3], char *at,
                             struct surface_motion *motion, struct surface *surface)
 {
     memset(at, 0, (size_t)place(mesh, at, motion));
     list_groups(mesh, motion->leaf_groups, motion->more_groups);
     list_vertices(mesh, motion->vertex_first, motion->leaf_vertices);
     dpti_surface_of_mesh(mesh, surface);
-    surface->box_min = vec3_of(box_min);
-    surface->box_max = vec3_of(box_max);
+    memcpy(motion->limit_min, limit_min, sizeof motion->limit_min);
+    memcpy(motion->limit_max, limit_max, sizeof motion->limit_max);
+    surface->motion = motion;
+    set_box(surface, mesh->box_min, mesh->box_max);
     set_frame(surface, motion);
     memcpy(motion->positions, mesh_floats(mesh, MESH_VERTICES), 3 * (size_t)mesh->vertices * sizeof(float));
     motion->tick = 0;
-    fill_all(motion);
-    surface->motion = motion;
+    for (uint32_t leaf = 0; leaf < motion->count[0]; leaf++)
+        dpti_surface_follow_leaf(motion, leaf);
+    fill_nodes(motion);
     surface->positions = motion->positions;
     surface->normals = NULL;
     surface->leaves = motion->leaves;
     for (uint32_t level = 1; level <= motion->levels; level++)
         surface->level[level] = motion->level[level];
+}
+
+void dpti_surface_move_box(struct surface *surface, const double low[3], const double high[3])
+{
+    struct surface_motion *motion = surface->motion;
+    const uint32_t nodes = motion->first[motion->levels + 1];
+    const double before = surface->filter_scale;
+    set_box(surface, low, high);
+    set_frame(surface, motion);
+    const float scale = (float)(surface->filter_scale / before);
+    for (uint32_t i = 0; i < nodes; i++) {
+        motion->travel[i] = motion->boxed[i] = 0.0f;
+        motion->followed[i] = -1.0f; /* blocks of leaves are filled again when a search looks at them */
+        motion->step[i] *= scale;
+    }
+    for (uint32_t node = 0; node < motion->count[1]; node++)
+        remake_boxes(motion, node, motion->level[1] + (size_t)node * MESH_BOX_WORDS);
+    fill_nodes(motion);
 }
 
 void dpti_surface_motion_forget(struct surface_motion *motion)

@@ -68,6 +68,7 @@ struct surface_motion {
     uint32_t *leaf_vertices;
     float centre[3]; /* of the filter's frame */
     float scale;
+    double limit_min[3], limit_max[3]; /* no vertex ever leaves this box; the surface's own is within it */
 };
 
 struct surface;
@@ -76,11 +77,18 @@ struct surface;
 uint64_t dpti_surface_motion_bytes(const struct dpt_mesh *mesh);
 
 /*
- * Make a surface whose vertices move, at first where the mesh has them. box_min and box_max hold them at all times.
+ * Make a surface whose vertices move, at first where the mesh has them, and never out of a limit whose ends are floats.
  * at: the arrays' memory, aligned to 64.
  */
-void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double box_min[3], const double box_max[3], char *at,
+void dpti_surface_of_motion(const struct dpt_mesh *mesh, const double limit_min[3], const double limit_max[3], char *at,
                             struct surface_motion *motion, struct surface *surface);
+
+/*
+ * Give the surface another box, and its filter another frame: the box of the points low and high, which hold all vertices
+ * of now and of the last tick and lie within the limit, with room about it. Cached planes are invalid then. It takes time
+ * in proportion to the mesh, a tenth of what making the surface takes.
+ */
+void dpti_surface_move_box(struct surface *surface, const double low[3], const double high[3]);
 
 /* Forget in which tick vertices moved: ticks are counted anew. */
 void dpti_surface_motion_forget(struct surface_motion *motion);

@@ -4,7 +4,7 @@
 #include "base/quaternion.h"
 #include "track/tool_parts.h"
 
-enum { BYTES_PROXY = 1592 };
+enum { BYTES_PROXY = 1608 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)
@@ -59,6 +59,7 @@ void dpti_proxy_leave(struct proxy *proxy)
     proxy->end = proxy->pose;
     proxy->home_tick = proxy->tick;
     proxy->has_home = 1;
+    proxy->has_been_inside = 0;
 }
 
 /* A body goes, by its id: forget its triangles, and what friction keeps of it. A proxy that it held is released. */
@@ -183,20 +184,36 @@ int dpti_proxy_has_size(const struct dpt_world *world, const struct tool *tool)
     return !tool->is_free || (segment->b.x == proxy->length && segment->radius == proxy->radius);
 }
 
+/* Whether a body has moved since the last step, whose answers are asked for. */
+static int has_moved_since(const struct dpt_world *world, const struct body *body)
+{
+    return body->moved_tick == world_coming_tick(world);
+}
+
+/* Where it was in the last step. */
+static struct frame frame_in_step(const struct dpt_world *world, const struct body *body)
+{
+    struct frame frame = body->frame;
+    if (has_moved_since(world, body))
+        frame_of_pose(&body->previous_pose, &frame);
+    return frame;
+}
+
 /* With one body, without a history. 0: the budget ended the search. */
-static int find_pair(struct dpt_world *world, uint32_t index, uint32_t slot, struct dynamic_point *track)
+static int find_pair(const struct dpt_world *world, uint32_t index, uint32_t slot, struct work *work,
+                     struct dynamic_point *track)
 {
     const struct body *body = &world->bodies[slot];
     struct bvh_traversal traversal;
     traversal.level = 0;
     dpti_dynamic_point_begin(track, &body->surface, *world_last_triangle(world, index, slot), HUGE_VAL, DESCENT_NONE,
-                             &world->work);
-    return dpti_dynamic_point_prove(track, &body->surface, &world->kernel, NULL, &traversal, &world->work);
+                             work);
+    return dpti_dynamic_point_prove(track, &body->surface, &world->kernel, NULL, &traversal, work);
 }
 
 /* Over all bodies; returns the distance. *is_exact: no budget ended a search. */
-static double find_nearest(struct dpt_world *world, uint32_t index, vec3 a, vec3 b, struct body_answer *best,
-                           int *is_exact)
+static double find_nearest(const struct dpt_world *world, uint32_t index, vec3 a, vec3 b, struct work *work,
+                           struct body_answer *best, int *is_exact)
 {
     const struct box box = box_of_axis(a, b);
     double distance = HUGE_VAL;
@@ -205,10 +222,11 @@ static double find_nearest(struct dpt_world *world, uint32_t index, vec3 a, vec3
     for (uint32_t i = 0; i < world->body_slot_end && distance > 0.0; i++) {
         const struct body *body = &world->bodies[i];
         struct dynamic_point track;
-        if (!body_is_there(body) || box_distance(&box, &world->boxes[i]) > distance)
+        if (!body_is_there(body) || (!has_moved_since(world, body) && box_distance(&box, &world->boxes[i]) > distance))
             continue;
-        axis_of(&body->surface, &body->frame, a, b, &track.axis);
-        *is_exact &= find_pair(world, index, i, &track);
+        const struct frame frame = frame_in_step(world, body);
+        axis_of(&body->surface, &frame, a, b, &track.axis);
+        *is_exact &= find_pair(world, index, i, work, &track);
         if (track.nearest.triangle == DPT_NONE || !(sqrt(track.nearest.pair.distance2) < distance))
             continue;
         distance = sqrt(track.nearest.pair.distance2);
@@ -218,19 +236,14 @@ static double find_nearest(struct dpt_world *world, uint32_t index, vec3 a, vec3
     return distance;
 }
 
-/* A segment where the device is. */
-struct device_axis {
-    vec3 a, b;    /* in the world */
-    double apart; /* m: no point of it is farther from where it is at the proxy */
-};
-
 /* The pair of a segment that is searched for, of which the budget may have left a bound. */
-static void find_hit(struct dpt_world *world, const struct tool *tool, uint32_t index, const struct device_axis *axis,
+static void find_hit(const struct dpt_world *world, const struct tool *tool, uint32_t index, struct work *work,
                      struct body_answer *best, struct segment_result *result)
 {
+    const struct device_axis *axis = &world->segments[index].device;
     const double radius = world->segments[index].radius;
     int is_exact;
-    const double distance = find_nearest(world, index, axis->a, axis->b, best, &is_exact);
+    const double distance = find_nearest(world, index, axis->a, axis->b, work, best, &is_exact);
     if (!best->body)
         return;
     dpti_segment_result_of_pair(&best->track.axis, &best->track.nearest.pair, result);
@@ -254,29 +267,29 @@ static struct device_axis device_axis_of(const struct dpt_world *world, const st
 }
 
 /* The hit of a segment; with `near_only` without a search where what is known of it at the proxy leaves it far. */
-static void write_hit(struct dpt_world *world, const struct tool *tool, uint32_t number, const struct frame *device,
+static void write_hit(const struct dpt_world *world, const struct tool *tool, uint32_t number, struct work *work,
                       struct min_distance *min)
 {
     const uint32_t index = tool->first_segment + number;
     struct segment *segment = &world->segments[index];
-    const struct device_axis axis = device_axis_of(world, tool, segment, device);
-    const double lower_bound = segment->result.lower_bound - axis.apart - segment->answer.error_bound;
-    const uint32_t work_before = world->work.done;
+    const struct device_axis *axis = &segment->device;
+    const double lower_bound = segment->result.lower_bound - axis->apart - segment->answer.error_bound;
+    const uint32_t work_before = work->done;
     struct body_answer best = { .body = segment->answer.body, .track = segment->answer.track };
     struct segment_result result;
     segment->answer.is_far =
         far_is_used(world, tool) && best.body && min_distance_is_below(min, lower_bound, segment->radius);
     if (segment->answer.is_far)
-        dpti_far_pair(best.body, axis.a, axis.b, lower_bound, &best.track, &result);
+        dpti_far_pair(best.body, axis->a, axis->b, lower_bound, &best.track, &result);
     else
-        find_hit(world, tool, index, &axis, &best, &result);
+        find_hit(world, tool, index, work, &best, &result);
     if (!best.body)
         return;
     /* The proxy was held back: the device is behind a surface, however far that is. */
     result.contact = DPT_CONTACT_PENETRATING;
-    result.work = segment->result.work + world->work.done - work_before;
-    dpti_segment_result_write(&result, &best.body->surface, &best.body->frame, best.body->id, &best.track.nearest,
-                              &segment->hit);
+    result.work = segment->result.work + work->done - work_before;
+    const struct frame frame = frame_in_step(world, best.body);
+    dpti_segment_result_write(&result, &best.body->surface, &frame, best.body->id, &best.track.nearest, &segment->hit);
     min_distance_take(min, result.distance, segment->radius);
 }
 
@@ -285,11 +298,19 @@ int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool)
     return dpti_proxy_is_used(world, tool) && (proxy_of(world, tool)->is_held || !dpti_proxy_has_size(world, tool));
 }
 
-void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool)
+void dpti_proxy_note_device(const struct dpt_world *world, const struct tool *tool)
 {
     const struct frame device = tool_device_frame(tool);
+    for (uint32_t i = 0; i < tool->segment_count; i++) {
+        struct segment *segment = &world->segments[tool->first_segment + i];
+        segment->device = device_axis_of(world, tool, segment, &device);
+    }
+}
+
+void dpti_proxy_write_hits(const struct dpt_world *world, const struct tool *tool, struct work *work)
+{
     struct min_distance min = min_distance_none();
     const uint32_t first = tool->closest < tool->segment_count ? tool->closest : 0;
     for (uint32_t i = 0; i < tool->segment_count; i++)
-        write_hit(world, tool, (first + i) % tool->segment_count, &device, &min);
+        write_hit(world, tool, (first + i) % tool->segment_count, work, &min);
 }

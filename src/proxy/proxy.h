@@ -77,7 +77,10 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool);
 /* Whether a tool has a proxy that is not where its device is. */
 int dpti_proxy_is_away(const struct dpt_world *world, const struct tool *tool);
 
-/* If the proxy is not at the device: write the segments' hits for the device's pose. */
-void dpti_proxy_write_hits(struct dpt_world *world, struct tool *tool);
+/* Note where the device has the segments of a tool that is held away from it. */
+void dpti_proxy_note_device(const struct dpt_world *world, const struct tool *tool);
+
+/* Write their hits there, among the bodies as they were in the last step: none was added, removed or teleported since. */
+void dpti_proxy_write_hits(const struct dpt_world *world, const struct tool *tool, struct work *work);
 
 #endif

@@ -176,6 +176,13 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
     return with_turn(proxy, at, turn);
 }
 
+dpt_pose dpti_proxy_told_pose(const struct proxy *proxy)
+{
+    const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
+    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
+    return proxy->coupling.spin_rho > 0.0 ? proxy->pose : dpti_proxy_spun_as(proxy, &at, &device, 0.0).pose;
+}
+
 struct displacement dpti_proxy_displacement(const struct proxy *proxy, const struct proxy_pose *from,
                                             const struct proxy_pose *to)
 {

@@ -51,6 +51,9 @@ struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *
 struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct proxy_pose *at,
                                      const struct proxy_pose *device, double spin_max);
 
+/* The pose as it is told: a spin that is not felt follows the device. Within a tick it would move ends by rounding. */
+dpt_pose dpti_proxy_told_pose(const struct proxy *proxy);
+
 /* From one pose to another; of a straight tool the least turn between its axes, and the spin beside it. */
 struct displacement dpti_proxy_displacement(const struct proxy *proxy, const struct proxy_pose *from,
                                             const struct proxy_pose *to);

@@ -152,8 +152,8 @@ static int is_after(uint32_t tick, uint32_t other)
 enum { SIDE_KEPT, SIDE_ASKED, SIDE_LOST };
 
 /*
- * On a body that was added since, home had no side. One that has moved since may have passed by: contact tells only where
- * it has an inside.
+ * On a body that was added since, home had no side. One that has moved since may have passed by. Of one with an inside contact
+ * tells then; and of one in the way from home, once the tool has been inside.
  */
 static int side_of_body(struct dpt_world *world, const struct tool *tool, const struct body *body)
 {
@@ -162,10 +162,11 @@ static int side_of_body(struct dpt_world *world, const struct tool *tool, const 
         return SIDE_KEPT;
     if (is_after(body->added_tick, proxy->home_tick))
         return SIDE_ASKED;
-    if (is_after(body->moved_tick, proxy->home_tick))
-        return has_inside(&body->surface) ? SIDE_ASKED : SIDE_LOST;
+    const int has_moved = is_after(body->moved_tick, proxy->home_tick);
     const struct way way = { world, tool, &proxy->end, &proxy->pose, body };
-    return proxy->state == PROXY_DOUBTED || way_is_free(&way) ? SIDE_KEPT : SIDE_LOST;
+    if (!has_moved && (proxy->state == PROXY_DOUBTED || way_is_free(&way)))
+        return SIDE_KEPT;
+    return (has_moved || proxy->has_been_inside) && has_inside(&body->surface) ? SIDE_ASKED : SIDE_LOST;
 }
 
 /* The same of all bodies. */
@@ -212,6 +213,7 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
         return;
     const int side = side_kept(world, tool);
     const struct contact_side contact = contact_side_of(world, tool);
+    proxy->has_been_inside |= contact.is_known && !contact.is_outside;
     if (side == SIDE_ASKED && !contact.is_known)
         return;
     const int is_outside = side == SIDE_KEPT || (side == SIDE_ASKED && contact.is_outside);

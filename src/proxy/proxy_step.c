@@ -484,12 +484,14 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     dpti_proxy_doubt_unseen_motion(world, proxy);
     if (tool->is_free)
         dpti_proxy_follow_size(world, tool, proxy);
+    const int was_spin_felt = proxy->coupling.spin_rho > 0.0;
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = dpti_proxy_clearance(world);
     tick.min_gap = GAP_SHARE * tick.clearance;
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
     proxy->last_pushed = proxy->is_ended ? proxy->pushed : proxy->felt;
+    proxy->last_stored = proxy->is_ended ? proxy->stored : proxy->yielded_energy;
     proxy->last_device_pose = proxy->device_pose;
     find_goal(&tick);
     if (proxy->state < PROXY_DOUBTED) {
@@ -498,11 +500,15 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     } else {
         const struct proxy_pose device = dpti_proxy_pose_of(proxy, &proxy->device_pose);
         const struct displacement moved = dpti_proxy_displacement(proxy, &device, &tick.device);
-        const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-        tick.at = dpti_proxy_spun_as(proxy, &at, &tick.device, SPIN_MAX);
+        const int is_spin_felt = proxy->coupling.spin_rho > 0.0;
+        tick.at = dpti_proxy_pose_of(proxy, &proxy->pose);
+        if (is_spin_felt && !was_spin_felt)
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &device, 0.0);
+        if (is_spin_felt)
+            tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.device, SPIN_MAX);
         tick.gap = proxy->gap;
         follow(&tick, displacement_norm(&proxy->coupling, &moved), dt);
-        if (proxy->coupling.spin_rho > 0.0)
+        if (is_spin_felt)
             tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.device, SPIN_ROLLED_MAX);
     }
     dpti_proxy_keep_contacts(&tick);

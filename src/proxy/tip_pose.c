@@ -165,7 +165,7 @@ static double make_motion(struct proxy_tick *tick, struct tip *tip, const struct
         dpti_tip_put(world, tip, &pose);
         if (is_too_near(tick, tip, &met, wanted))
             continue;
-        dpti_tip_find(world, tip, &tick->at.frame, &answer);
+        dpti_tip_find(world, tip, &tick->at.frame, &world->work, &answer);
         if (!(least_gap(tip, &answer) >= wanted))
             continue;
         dpti_tip_know(world, tip, &tick->at.frame, &answer);

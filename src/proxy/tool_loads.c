@@ -95,9 +95,9 @@ static vec3 on_surface(const struct body *body, uint32_t triangle, vec3 at)
     return surface_point(&body->surface, triangle, nearest.weight);
 }
 
-/* A deformable body is pushed with `force` at `at`, both in its frame. */
+/* A deformable body is pushed at a point, in its frame. */
 static void note_deform(const struct dpt_world *world, const struct tool *tool, struct deform *deform,
-                        uint32_t triangle, vec3 at, vec3 force)
+                        const struct load_point *point)
 {
     struct tool_load *load = load_of(world, tool, deform);
     if (deform->point_count == deform->def.max_points) {
@@ -109,7 +109,7 @@ static void note_deform(const struct dpt_world *world, const struct tool *tool, 
         load = &deform->tools[deform->tool_count++];
         *load = (struct tool_load){ .tool_slot = slot_of(world, tool), .first = deform->point_count };
     }
-    deform->points[deform->point_count++] = (struct load_point){ .triangle = triangle, .at = at, .force = force };
+    deform->points[deform->point_count++] = *point;
     load->count++;
 }
 
@@ -127,7 +127,10 @@ static vec3 push_point(struct dpt_world *world, struct tool *tool, const struct 
         return at;
     }
     const vec3 touched = on_surface(body, triangle, at);
-    note_deform(world, tool, deform, triangle, touched, frame_turn_back(&body->frame, force));
+    const struct load_point point = {
+        .triangle = triangle, .at = touched, .middle = touched, .force = frame_turn_back(&body->frame, force)
+    };
+    note_deform(world, tool, deform, &point);
     return frame_to_world(&body->frame, touched);
 }
 
@@ -141,10 +144,23 @@ static void note_point(struct dpt_world *world, struct tool *tool, uint32_t segm
     note(world, tool, &place, body, push_point(world, tool, body, triangle, at, force), force);
 }
 
-void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, uint32_t part, uint32_t body_id,
-                          uint32_t triangle, vec3 at, vec3 force)
+void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, const struct tool_push *push)
 {
-    note_point(world, tool, part, body_id, triangle, at, force);
+    const struct body *body = world_find_body(world, push->body_id);
+    if (!deform_of(body)) {
+        note_point(world, tool, push->part, push->body_id, push->triangle, push->at, push->force);
+        return;
+    }
+    const struct load_place place = { .segment = push->part, .source = body->surface.sources[push->triangle] };
+    const vec3 at = on_surface(body, push->triangle, push->at), normal = frame_turn_back(&body->frame, push->normal);
+    const struct load_point point = { .triangle = push->triangle,
+                                      .is_narrow = push->is_narrow,
+                                      .at = at,
+                                      .middle = along(at, -push->depth, normal),
+                                      .force = frame_turn_back(&body->frame, push->force),
+                                      .normal = normal };
+    note_deform(world, tool, deform_of(body), &point);
+    note(world, tool, &place, body, frame_to_world(&body->frame, point.at), push->force);
 }
 
 static void forget_on(const struct dpt_world *world, const struct tool *tool, struct deform *deform)
@@ -326,7 +342,7 @@ static dpt_wrench sum_points(const struct body *body, const struct tool_load *lo
     *size = 0.0;
     for (uint32_t i = load->first; i < load->first + load->count; i++) {
         const vec3 push = frame_turn(&body->frame, deform->points[i].force);
-        const vec3 at = frame_to_world(&body->frame, deform->points[i].at);
+        const vec3 at = frame_to_world(&body->frame, deform->points[i].middle);
         force = add(force, push);
         torque = add(torque, cross(sub(at, load->origin), push));
         *size += length(push);

@@ -23,9 +23,18 @@ void dpti_loads_note_segments(struct dpt_world *world, struct tool *tool);
 /* Forget a tool's notes of this tick, on all bodies. */
 void dpti_loads_forget(struct dpt_world *world, struct tool *tool);
 
-/* Note that a part of a tool pushes a body with `force` (N, on the body) at a point of a triangle; all in the world. */
-void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, uint32_t part, uint32_t body_id,
-                          uint32_t triangle, vec3 at, vec3 force);
+/* A part of a tool pushes a body at a point of a triangle; all in the world. */
+struct tool_push {
+    uint32_t part, body_id, triangle;
+    vec3 at;            /* on the triangle */
+    vec3 normal;        /* unit, towards the tool */
+    double depth;       /* m: so far beneath it lies the mean of what it loads, where the force acts */
+    vec3 force;         /* N, on the body; not 0 */
+    uint32_t is_narrow; /* 1: it is not spread */
+};
+
+/* Note it. */
+void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, const struct tool_push *push);
 
 /* After the tool's wrench is known: what its points sum up to on each deformable body is the reaction to it. */
 void dpti_loads_settle(struct dpt_world *world, struct tool *tool);

@@ -63,7 +63,7 @@ static int add_rub(struct tissue_solve *solve, uint32_t index)
                                       .along = tangents[d],
                                       .within = link->body == DPT_NONE ? tangents[d]
                                                                        : frame_turn_back(&body->frame, tangents[d]) };
-        dpti_touch_lever(tool->proxy, &tool->at, tool->axes, touch->at, tangents[d], row[d].lever);
+        dpti_touch_lever(tool->proxy, &tool->at, tool->axes, tissue_middle(solve, index), tangents[d], row[d].lever);
     }
     return 1;
 }

@@ -17,6 +17,9 @@ void dpti_tissue_link(struct tissue_solve *solve);
  */
 double dpti_tissue_solve(struct tissue_solve *solve);
 
+/* m/N: how far the body's own surface yields at one touch by a push at another. */
+double dpti_tissue_yield(const struct tissue_solve *solve, uint32_t touch, uint32_t by);
+
 /* Make the substep that was solved for. Returns 0 if a body would leave the finite range. */
 int dpti_tissue_substep(struct tissue_solve *solve);
 

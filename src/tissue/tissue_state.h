@@ -11,6 +11,7 @@
 
 enum {
     TISSUE_NODES_MAX = 1536,
+    TISSUE_WEIGHTS_MAX = 16384,
     TISSUE_TABLE = 4096,
     TISSUE_BODIES_MAX = 16,
     TISSUE_TOOLS_MAX = 16,
@@ -53,15 +54,30 @@ struct tissue_node {
     vec3 known;      /* m: what the pushes that are known add to both */
     vec3 load;       /* N, of a substep's answer */
     int is_foreseen; /* `moved` is of this substep */
+    uint32_t seen;   /* by the link that was made last of those that load it: its number */
+    uint32_t place;  /* in that touch's link */
 };
 
 /* How a touch loads the tissue. */
 struct tissue_link {
-    uint32_t body;              /* of the solve, or DPT_NONE: what is touched is stepped by nobody here */
-    uint32_t tool;              /* of the solve */
-    uint32_t count;             /* of nodes */
-    uint32_t node[TOUCH_NODES]; /* of the solve */
-    double weight[TOUCH_NODES];
+    uint32_t body;      /* of the solve, or DPT_NONE: what is touched is stepped by nobody here */
+    uint32_t tool;      /* of the solve */
+    uint32_t count;     /* of nodes */
+    uint32_t is_narrow; /* 1: its load is not spread, for want of room */
+    uint16_t *node;     /* of the solve */
+    double *weight;     /* how much of the touch's force each takes, and of each one's motion the touch feels */
+    double yields;      /* m/N: the body's own compliance, in series; 0: it is hard */
+    double yielded;     /* m: by how much, in the last substep */
+    double spread;      /* m: touches that are nearer to each other share it */
+    double unfelt;      /* m: how far the point of the touch has risen unfelt, as it rose more than what is loaded */
+    double depth; /* m: so far beneath the touch, along its normal, lies the mean of these, where the force acts */
+};
+
+/* What a touch that spreads its load passes on to the next step. */
+struct spread_touch {
+    uint32_t tool_slot, part, body_id;
+    vec3 at;       /* in the body's frame */
+    double unfelt; /* as that of its link */
 };
 
 /* A direction along which a touch may push: its normal, or a tangent. */
@@ -97,7 +113,8 @@ struct held_touch {
 
 struct tissue_solve {
     const struct dpt_world *world;
-    double dt; /* s, of the whole step */
+    double dt;        /* s, of the whole step */
+    struct work work; /* of the whole step */
     uint32_t body_count;
     uint32_t tool_count;
     uint32_t node_count;
@@ -113,6 +130,10 @@ struct tissue_solve {
     struct touches room; /* at the end of the step */
     struct tissue_link links[TOUCHES_MAX];
     struct tissue_node nodes[TISSUE_NODES_MAX];
+    uint32_t linked;       /* links that were made, from 1 on */
+    uint32_t weight_count; /* of all links */
+    uint16_t weighted[TISSUE_WEIGHTS_MAX];
+    double weight[TISSUE_WEIGHTS_MAX];
     struct tissue_rub rubs[TISSUE_RUBS_MAX];
     struct tissue_row rows[COMPLEMENTARITY_MAX]; /* of all touches, then two of each rub */
     uint8_t kind[COMPLEMENTARITY_MAX];           /* of the rows, for the solver */
@@ -121,10 +142,18 @@ struct tissue_solve {
     double free_gap[COMPLEMENTARITY_MAX];
     double multiplier[COMPLEMENTARITY_MAX]; /* N, of each row in a substep */
     vec3 push[TOUCHES_MAX];                 /* N, of each touch on its tool, in the world: the mean of all substeps */
-    uint32_t held_count;                    /* touches that held at the end of the last step */
+    uint32_t spread_count;                  /* touches of the last step that spread their loads */
+    struct spread_touch spread_touches[TOUCHES_MAX];
+    uint32_t held_count; /* touches that held at the end of the last step */
     struct held_touch held[COMPLEMENTARITY_ACTIVE_MAX];
     struct complementarity problem;
 };
+
+/* Where the force of a touch acts, in the world. */
+static inline vec3 tissue_middle(const struct tissue_solve *solve, uint32_t touch)
+{
+    return along(solve->touches.touch[touch].at, -solve->links[touch].depth, solve->touches.touch[touch].normal);
+}
 
 /* The rows of a rub. */
 static inline uint32_t tissue_row_of_rub(const struct tissue_solve *solve, uint32_t rub)

@@ -5,6 +5,8 @@
 
 #include "proxy/proxy.h"
 #include "proxy/tool_loads.h"
+#include "tissue/tissue_solve.h"
+#include "tissue/tissue_spread.h"
 #include "track/tool_parts.h"
 
 /* Whether a tool has a proxy that was outside in the last step, and nothing of which its wrench still has a memory. */
@@ -34,15 +36,6 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
         if (body_is_there(search->body) && !is_solved == !solved_body(solve, search->body))
             dpti_touches_gather(search, &solve->touches);
     }
-}
-
-/* Whether the surfaces that a tool may touch are hard. */
-static int touches_are_hard(const struct dpt_world *world, const struct touches *touches, uint32_t first)
-{
-    for (uint32_t i = first; i < touches->count; i++)
-        if (world_find_body(world, touches->touch[i].body_id)->stiffness > 0.0)
-            return 0;
-    return 1;
 }
 
 /* The unknowns of the way from a tool's proxy to a pose, as the spring pulls. */
@@ -87,7 +80,7 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     const uint32_t first = solve->touches.count;
     const struct proxy *proxy = proxy_of(world, tool);
     struct tissue_tool *made = &solve->tools[solve->tool_count];
-    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + motion_of(tool, proxy) };
+    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + motion_of(tool, proxy), &solve->work };
     *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
                                   .is_sliding = proxy->is_sliding,
                                   .proxy = proxy,
@@ -96,8 +89,6 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     gather_from(solve, &search, 1);
     if (solve->touches.count > first)
         gather_from(solve, &search, 0);
-    if (!touches_are_hard(world, &solve->touches, first))
-        solve->touches.count = first;
     if (solve->touches.count == first)
         return;
     unknowns_of(made, &tool->pose, made->device);
@@ -146,10 +137,25 @@ static struct displacement pushed_by(const struct tissue_tool *from)
     return dpti_proxy_of_unknowns(from->proxy, from->axes, unknowns);
 }
 
-/* The displacement from the device that is felt. The proxy's own is that of the world's step. */
-static void note_felt(const struct tissue_solve *solve, struct tool *tool, struct proxy *proxy,
-                      struct displacement felt)
+/* J: what the bodies' own surfaces store, as they yield to the mean push. */
+static double stored_by(const struct tissue_solve *solve, const struct tissue_tool *from)
 {
+    double sum = 0.0;
+    for (uint32_t i = 0; i < solve->touches.count; i++) {
+        const double push = dot(solve->push[i], solve->touches.touch[i].normal);
+        if (!(push > 0.0) || &solve->tools[solve->links[i].tool] != from)
+            continue;
+        for (uint32_t k = 0; k < solve->touches.count && solve->links[i].yields > 0.0; k++)
+            sum += 0.5 * push * dot(solve->push[k], solve->touches.touch[k].normal) * dpti_tissue_yield(solve, i, k);
+    }
+    return sum;
+}
+
+/* The displacement from the device that is felt. The proxy's own is that of the world's step. */
+static void note_felt(const struct tissue_solve *solve, const struct tissue_tool *from, struct tool *tool,
+                      struct proxy *proxy)
+{
+    const struct displacement felt = dpti_proxy_of_unknowns(proxy, from->axes, from->felt);
     const struct displacement between = displacement_sum(&felt, -1.0, &proxy->felt);
     const double apart = displacement_norm(&proxy->coupling, &between);
     const double allowed =
@@ -157,8 +163,9 @@ static void note_felt(const struct tissue_solve *solve, struct tool *tool, struc
     tool->force_flags &= ~(uint32_t)(DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED);
     tool->force_flags |= apart > allowed ? DPT_FORCE_FLAG_APART : 0u;
     tool->force_flags |= solve->is_full || solve->touches.is_full ? DPT_FORCE_FLAG_CROWDED : 0u;
-    tool->energy = coupling_energy(&proxy->coupling, &felt);
-    tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt);
+    proxy->stored = stored_by(solve, from);
+    tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->stored;
+    tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt) + proxy->stored - proxy->last_stored;
     proxy->felt = felt;
 }
 
@@ -178,15 +185,16 @@ static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int i
  * m: how far the tool's surface moves at a touch from one pose to another. The axis goes where it goes, along an arc; about
  * it the tool rolls on the surface, by as much as it turns.
  */
-static vec3 rolled(const struct tissue_solve *solve, const struct touch *touch, const struct tissue_tool *tool,
+static vec3 rolled(const struct tissue_solve *solve, uint32_t index, const struct tissue_tool *tool,
                    const struct proxy_pose *from, const struct proxy_pose *to)
 {
+    const struct touch *touch = &solve->touches.touch[index];
     const struct part part = tool_part(solve->world, &solve->world->tools[tool->slot], touch->part);
     const double radius = part_radius(part) + dpti_proxy_clearance(solve->world);
     const vec3 axis = frame_to_local(&tool->at.frame, along(touch->at, radius + touch->gap, touch->normal));
     const vec3 turn = quaternion_rotation_vector(quaternion_product(to->turn, quaternion_inverse(from->turn)));
     const vec3 moved = sub(frame_to_world(&to->frame, axis), frame_to_world(&from->frame, axis));
-    return sub(moved, cross(turn, scaled(touch->normal, radius)));
+    return sub(moved, cross(turn, scaled(touch->normal, radius + solve->links[index].depth)));
 }
 
 /* What turns add to the way of touches along the surface beyond what their rows tell: a tool that sticks would creep. */
@@ -200,7 +208,7 @@ static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool 
         const double push = solve->multiplier[touch];
         if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
             continue;
-        const vec3 moved = rolled(solve, &solve->touches.touch[touch], from, last, end);
+        const vec3 moved = rolled(solve, touch, from, last, end);
         for (uint32_t d = 0; d < 2; d++) {
             double told = 0.0;
             for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
@@ -243,8 +251,16 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
             continue;
         dpti_proxy_remember(proxy, touch->part, touch->body_id, touch->triangle);
         force = add(force, push);
-        torque = add(torque, cross(sub(touch->at, vec3_of(tool->pose.position)), push));
-        dpti_loads_note_push(world, tool, touch->part, touch->body_id, touch->triangle, touch->at, scaled(push, -1.0));
+        const struct tool_push noted = { .part = touch->part,
+                                         .body_id = touch->body_id,
+                                         .triangle = touch->triangle,
+                                         .at = touch->at,
+                                         .normal = touch->normal,
+                                         .depth = solve->links[i].depth,
+                                         .force = scaled(push, -1.0),
+                                         .is_narrow = solve->links[i].is_narrow };
+        torque = add(torque, cross(sub(tissue_middle(solve, i), vec3_of(tool->pose.position)), push));
+        dpti_loads_note_push(world, tool, &noted);
     }
     vec3_store(force, tool->wrench.force);
     vec3_store(torque, tool->wrench.torque);
@@ -256,7 +272,7 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         tool->wrench.torque[k] += shaped.torque[k] - law.torque[k];
     }
     proxy->pushed = pushed_by(from);
-    note_felt(solve, tool, proxy, dpti_proxy_of_unknowns(proxy, from->axes, from->felt));
+    note_felt(solve, from, tool, proxy);
 }
 
 /* How often an answer must be the same before it is taken for the next one, too. */
@@ -280,6 +296,7 @@ void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world)
         set_wrench(solve, world, &solve->tools[t]);
         note_end(solve, &solve->tools[t], tool, proxy_of(world, tool));
     }
+    dpti_spread_note(solve);
     note_repeats(solve, world);
 }
 
@@ -342,6 +359,7 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
     problem->kind = NULL;
     problem->column = give_lever;
     problem->user = &solve->room;
+    problem->work = NULL;
     dpti_complementarity_solve(problem);
     memset(unknowns, 0, TOUCH_DIMENSIONS * sizeof *unknowns);
     for (uint32_t a = 0; a < problem->active_count; a++)
@@ -354,7 +372,7 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
 static double gather_at(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
                         const struct proxy_pose *at, double reach)
 {
-    struct touch_search search = { world, tool, proxy_of(world, tool), at, NULL, reach };
+    struct touch_search search = { world, tool, proxy_of(world, tool), at, NULL, reach, &solve->work };
     double least = HUGE_VAL;
     solve->room.count = 0;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {

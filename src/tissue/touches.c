@@ -120,6 +120,8 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
     struct work work = work_of(WORK_UNLIMITED);
     struct range range;
     int may_touch;
+    const uint32_t pairs =
+        tip ? tip->hull->corner_count + tip->hull->edge_count + tip->hull->face_count : (uint32_t)PAIR_FEATURES;
     const double reach = search->reach + part->radius + (tip ? tip->hull->reach : 0.0);
     dpti_range_begin(&range, surface, &search->world->kernel, part->a, part->u, reach, &work);
     while ((part->triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE) {
@@ -129,7 +131,9 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
             dpti_hull_features(&part->hull, v, search->reach + part->radius, add_of_hull, part);
         else
             add_of_segment(part, v);
+        work_spend(&work, pairs);
     }
+    work_spend(search->work, work.done);
 }
 
 void dpti_touches_gather(const struct touch_search *search, struct touches *touches)

@@ -7,9 +7,10 @@
 #ifndef DPT_TOUCHES_H
 #define DPT_TOUCHES_H
 
+#include "base/work.h"
 #include "proxy/proxy_pose.h"
 
-enum { TOUCHES_MAX = 256, TOUCH_DIMENSIONS = 6, TOUCH_NODES = 12 };
+enum { TOUCHES_MAX = 256, TOUCH_DIMENSIONS = 6 };
 
 struct touch {
     uint32_t tool_slot;
@@ -39,6 +40,7 @@ struct touch_search {
     const struct proxy_pose *at;
     const struct body *body;
     double reach;
+    struct work *work; /* what is looked at is counted, and bounded by nothing */
 };
 
 /* How a point of the tool, at `place` in the world, moves along a unit vector with the unknowns of the proxy's motion. */

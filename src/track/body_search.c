@@ -169,6 +169,17 @@ void dpti_body_search_forget_planes(struct dpt_world *world, uint32_t first, uin
     }
 }
 
+void dpti_body_search_leave_frame(struct dpt_world *world, uint32_t slot)
+{
+    dpti_body_search_forget_planes(world, 0, world->segment_count, slot);
+    for (uint32_t s = 0; world->def.budget && s < world->segment_count; s++)
+        for (int is_resting = 0; is_resting < 2; is_resting++) {
+            struct suspended_search *suspended = world_suspended_search(world, s, is_resting);
+            if (suspended->traversal.level && suspended->body_slot == slot)
+                give_up(world, s, suspended);
+        }
+}
+
 void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
@@ -176,6 +187,7 @@ void dpti_body_search_forget(struct dpt_world *world, uint32_t segment_index)
         memset(world_last_triangle(world, segment_index, 0), 0xff,
                world->def.max_bodies * sizeof *world->last_triangles);
     segment->last_body_slot = DPT_NONE;
+    segment->answer.body = NULL;
     forget_bounds(world, segment_index, DPT_NONE);
 }
 
@@ -211,6 +223,7 @@ struct body_search {
     struct box axis_box;
     struct body_answer *best;
     double best_distance;   /* m, of `best` */
+    double max_gap;         /* m: the largest distance of the axis' box from that of a body that was searched */
     uint32_t followed_slot; /* the body whose dynamic point was followed */
     double axis_motion;     /* m: motion of the axis in that body's frame since its last update */
     uint32_t is_new;        /* no last tick: cached planes belong to another pose and are not used */
@@ -396,6 +409,7 @@ static void search_if_near(struct body_search *search, uint32_t slot)
     if (!is_best)
         transform_axis(search, body, &other.axis);
     best->error_bound = max_of(best->error_bound, track->axis.error);
+    search->max_gap = max_of(search->max_gap, box_gap);
     if (world->def.budget) {
         search_within_budget(search, slot, box_gap, track);
     } else {
@@ -451,6 +465,26 @@ static void search_candidates(struct body_search *search, uint32_t first_slot)
                                                                                   : first_candidate + i - count));
 }
 
+/* Bodies whose boxes are beyond the pair do not count. Which of them were searched depends on where the search began. */
+static void leave_out_far_errors(struct body_search *search)
+{
+    struct body_answer *best = search->best;
+    const int has_changed_body = best->body && handle_index(best->body->id) != search->followed_slot;
+    if (!has_changed_body && !(search->max_gap > 0.0 && search->max_gap >= search->best_distance))
+        return;
+    best->error_bound = best->track.axis.error;
+    for (uint32_t i = 0; i < candidate_count(search); i++) {
+        const uint32_t slot = candidate_slot(search, i);
+        const struct body *body = &search->world->bodies[slot];
+        struct axis axis;
+        if (!body_is_there(body) ||
+            box_distance(&search->axis_box, &search->world->boxes[slot]) >= search->best_distance)
+            continue;
+        transform_axis(search, body, &axis);
+        best->error_bound = max_of(best->error_bound, axis.error);
+    }
+}
+
 static void find_exact(struct body_search *search)
 {
     struct dpt_world *world = search->world;
@@ -488,6 +522,7 @@ static void find_exact(struct body_search *search)
     } else {
         search_candidates(search, first_slot);
     }
+    leave_out_far_errors(search);
     if (has_lists && search->axis_motion > 0.0 && proves_best(search, search->best->lower_bound))
         dpti_broad_phase_shrink(world, search->segment_index, search->best_distance);
 }
@@ -511,6 +546,7 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
                 search_without_history(&search, i);
     }
     best->is_exact = best->body && proves_best(&search, best->lower_bound);
+    best->tick = world->ticks;
     best->work = world->work.done - work_before;
 }
 

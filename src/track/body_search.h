@@ -41,6 +41,9 @@ void dpti_body_search_find(struct dpt_world *world, uint32_t segment_index, cons
 /* Write an answer that has a body into `result`: exact, or bounded by what is proven. */
 void dpti_body_search_result(const struct body_answer *best, struct segment_result *result);
 
+/* Before the filter's frame of the body in `slot` changes: end what is held in that frame. What is proven stays. */
+void dpti_body_search_leave_frame(struct dpt_world *world, uint32_t slot);
+
 /* Vertices of the body in `slot` have moved, by at most `moved`, m: the next update counts it. */
 void dpti_bounds_note_motion(struct dpt_world *world, uint32_t segment_index, uint32_t slot, double moved);
 

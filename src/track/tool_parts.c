@@ -70,13 +70,29 @@ int dpti_track_begin(struct dpt_world *world, uint32_t segment_index)
     return 0;
 }
 
-/* Search for the pair of an axis. */
+static int is_same(vec3 a, vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/* Whether the answer is that of this axis, and nothing has changed since. With a budget a search finds out what rests. */
+static int is_answered(const struct dpt_world *world, const struct body_answer *answer, vec3 a, vec3 b)
+{
+    const int is_new =
+        answer->tick == world->ticks || (world_was_last_tick(world, answer->tick) && !world->has_changed);
+    return answer->body && answer->is_exact && is_new && !world->def.budget && is_same(answer->track.axis.a, a) &&
+           is_same(answer->track.axis.b, b);
+}
+
+/* Search for the pair of an axis, unless it is known. */
 static void track_axis(struct dpt_world *world, uint32_t segment_index, vec3 a, vec3 b)
 {
     struct segment *segment = &world->segments[segment_index];
-    segment->answer.body = NULL;
     segment->result = (struct segment_result){ .status = DPT_STATUS_STALE };
-    dpti_body_search_find(world, segment_index, &a, &b, &segment->answer);
+    if (is_answered(world, &segment->answer, a, b))
+        segment->answer.work = 0;
+    else
+        dpti_body_search_find(world, segment_index, &a, &b, &segment->answer);
     if (!segment->answer.body)
         return;
     segment->last_body_slot = handle_index(segment->answer.body->id);
@@ -89,7 +105,7 @@ void dpti_track_segment(struct dpt_world *world, uint32_t segment_index)
 {
     struct segment *segment = &world->segments[segment_index];
     const struct tool *tool = &world->tools[segment->tool_slot];
-    if (dpti_track_begin(world, segment_index))
+    if (tool_is_active(world, tool) || dpti_track_begin(world, segment_index))
         track_axis(world, segment_index, frame_to_world(&tool->felt_frame, segment->a),
                    frame_to_world(&tool->felt_frame, segment->b));
 }
@@ -149,15 +165,15 @@ struct box dpti_part_box(struct part part, const struct frame *tool)
 }
 
 /* One body, if it is nearer than the answer so far. */
-static void try_body(struct dpt_world *world, const struct tip *tip, const struct frame *frame, const struct body *body,
-                     struct tip_answer *answer)
+static void try_body(const struct dpt_world *world, const struct tip *tip, const struct frame *frame,
+                     const struct body *body, struct work *work, struct tip_answer *answer)
 {
     const uint32_t hint = body->id == tip->last_body_id ? tip->last_triangle : DPT_NONE;
     const double limit = answer->body ? answer->nearest.distance : HUGE_VAL;
     struct hull_place place;
     struct hull_nearest found;
     hull_place_set(&place, tip->hull, frame, &body->frame);
-    if (!dpti_hull_search(&body->surface, &world->kernel, &place, hint, limit, &world->work, &found))
+    if (!dpti_hull_search(&body->surface, &world->kernel, &place, hint, limit, work, &found))
         answer->is_exact = 0;
     found.error_bound = dpti_hull_error(&place, &body->surface, frame, &body->frame);
     const double error = max_of(found.error_bound, answer->nearest.error_bound);
@@ -171,19 +187,20 @@ static void try_body(struct dpt_world *world, const struct tip *tip, const struc
     answer->nearest.error_bound = error;
 }
 
-void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct frame *frame, struct tip_answer *answer)
+void dpti_tip_find(const struct dpt_world *world, const struct tip *tip, const struct frame *frame, struct work *work,
+                   struct tip_answer *answer)
 {
     const struct box box = dpti_tip_box(tip->hull, frame);
     const struct body *first = tip->last_body_id ? world_find_body(world, tip->last_body_id) : NULL;
     memset(answer, 0, sizeof *answer);
     answer->is_exact = 1;
     if (first && body_is_there(first))
-        try_body(world, tip, frame, first, answer);
+        try_body(world, tip, frame, first, work, answer);
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         const struct body *body = &world->bodies[i];
         if (body_is_there(body) && body != first &&
             !(answer->body && box_distance(&box, &world->boxes[i]) > answer->nearest.distance))
-            try_body(world, tip, frame, body, answer);
+            try_body(world, tip, frame, body, work, answer);
     }
     if (answer->body && answer->is_exact)
         answer->lower_bound = max_of(0.0, answer->nearest.distance - answer->nearest.error_bound);
@@ -217,7 +234,7 @@ void dpti_tips_track(struct dpt_world *world, struct tool *tool)
         struct tip *tip = tool_tip(world, tool, i);
         if (is_known(world, tool, tip))
             continue;
-        dpti_tip_find(world, tip, &tool->felt_frame, &answer);
+        dpti_tip_find(world, tip, &tool->felt_frame, &world->work, &answer);
         dpti_tip_know(world, tip, &tool->felt_frame, &answer);
     }
 }
@@ -268,14 +285,15 @@ static void begin_hit(const struct tool *tool, uint32_t number, struct tip *tip)
                           .segment = tool->segment_count + number };
 }
 
-void dpti_tips_write_hits(struct dpt_world *world, struct tool *tool, const struct frame *device)
+void dpti_tips_write_hits(const struct dpt_world *world, const struct tool *tool, const struct frame *device,
+                          struct work *work)
 {
     for (uint32_t i = 0; i < tool->tip_count; i++) {
         struct tip *tip = tool_tip(world, tool, i);
         struct tip_answer at_device;
         begin_hit(tool, i, tip);
         if (device)
-            dpti_tip_find(world, tip, device, &at_device);
+            dpti_tip_find(world, tip, device, work, &at_device);
         const struct tip_answer *answer = device ? &at_device : &tip->answer;
         if (answer->body)
             write_hit(tip, answer, device != NULL, &tip->hit);

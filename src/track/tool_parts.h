@@ -79,7 +79,7 @@ struct box dpti_part_box(struct part part, const struct frame *tool);
  * The nearest pair of a tip and all bodies, with the tool's frame at `frame`. One body or triangle that was near is
  * tried first; the answer does not change what is remembered.
  */
-void dpti_tip_find(struct dpt_world *world, const struct tip *tip, const struct frame *frame,
+void dpti_tip_find(const struct dpt_world *world, const struct tip *tip, const struct frame *frame, struct work *work,
                    struct tip_answer *answer);
 
 /* Store this tick's answer of a tip, with the tool's frame at `frame`. */
@@ -98,7 +98,8 @@ int dpti_tip_is_outside(const struct tip *tip);
 /*
  * Hits of the tips, from their answers; of a tool that is held away from its device with `device`, the device's frame.
  */
-void dpti_tips_write_hits(struct dpt_world *world, struct tool *tool, const struct frame *device);
+void dpti_tips_write_hits(const struct dpt_world *world, const struct tool *tool, const struct frame *device,
+                          struct work *work);
 
 /* Contacts of the tips, from their answers. */
 void dpti_tips_find_contacts(struct dpt_world *world, struct tool *tool);

@@ -42,9 +42,9 @@ struct body {
     uint32_t added_tick; /* the tick before which it was added or teleported */
     double diagonal;     /* m: of its surface's box */
     double static_friction, kinetic_friction;
-    double stiffness; /* N/m, of the surface; 0: rigid */
-    uint32_t unfelt;  /* 1: tools ignore it */
-    uint32_t reserved;
+    double stiffness;   /* N/m, of the surface; 0: rigid */
+    uint32_t unfelt;    /* 1: tools ignore it */
+    uint32_t held_tick; /* the tick before which it was last held where it was; 0: never */
 };
 
 struct tool {
@@ -75,9 +75,10 @@ struct tool {
     uint32_t has_changed; /* since the last step, in what it depends on (rest.h) */
     uint32_t search;      /* how this tick finds its answers and its force: a row of world/step.c */
     uint32_t force;
-    uint32_t still_ticks; /* in a row, up to the last */
-    uint32_t near_only;   /* segments that are far are not searched for (tool_parts.h) */
-    uint32_t closest;     /* the segment, from 0, that was nearest in the last search; with near_only */
+    uint32_t still_ticks;   /* in a row, up to the last */
+    uint32_t near_only;     /* segments that are far are not searched for (tool_parts.h) */
+    uint32_t has_late_hits; /* those of the last step are found when they are read (tool_results.c) */
+    uint32_t closest;       /* the segment, from 0, that was nearest in the last search; with near_only */
     /*
      * Its wrench on rigid bodies in this tick, about the origin of its torque. Only with deformable bodies in the
      * world.
@@ -215,19 +216,22 @@ struct proxy {
     struct displacement end_motion;
     struct displacement pushed; /* what pushed it there, over the stiffness: with a damper not what is felt */
     struct displacement last_pushed;
+    double stored; /* J, then by surfaces that yield */
+    double last_stored;
     uint16_t sticking; /* contacts with friction */
     uint16_t slipping;
     uint32_t is_ended;   /* there was such a step since the world's last one */
     uint32_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
     uint32_t is_sliding; /* all contacts slid */
-    uint32_t has_home;
+    uint16_t has_home;
+    uint16_t has_been_inside;    /* since it left its home, by contact */
     double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
     uint32_t clock;
     uint32_t tick;     /* the world's, of its last step */
     uint32_t is_still; /* the last tick left it as it was */
-    float free_turn
-        [3]; /* the vector of the device's orientation in the last tick that it was there; its w is not below 0 */
+    /* The vector of the device's orientation in the last tick that it was there; its w is not below 0. */
+    float free_turn[3];
     double body_path; /* m: of the world, in its last step */
 };
 
@@ -240,7 +244,7 @@ struct body_answer {
     uint32_t is_exact;
     uint32_t work;   /* units */
     uint32_t is_far; /* it was not searched for (tool_parts.h) */
-    uint32_t reserved;
+    uint32_t tick;   /* in which it was found */
 };
 
 /* What is known of a segment's distance from all bodies, with near_only. */
@@ -300,6 +304,12 @@ struct depth_samples {
     struct warm_start at[DEPTH_SAMPLES_MAX];
 };
 
+/* A segment where the device was in the last step. */
+struct device_axis {
+    vec3 a, b;    /* in the world */
+    double apart; /* m: no point of it is farther from where it was at the proxy */
+};
+
 struct segment {
     vec3 a, b; /* in the tool's frame */
     double radius;
@@ -317,6 +327,7 @@ struct segment {
     struct broad_phase broad_phase;
     struct proven_distance proven;
     struct body_answer answer;           /* this tick's */
+    struct device_axis device;           /* this tick's, where a proxy is held away from it */
     struct segment_result result;        /* this tick's */
     struct penetration penetration;      /* at the deepest point, in the world */
     struct penetration felt_penetration; /* the force uses it: reduced near a sheet's border */
@@ -420,6 +431,7 @@ struct dpt_world {
     double time;                  /* s: the sum of their dt */
     uint32_t ticks;               /* the number of the present tick, from 1 on, or of the last one; may wrap */
     uint32_t bodies_moved_tick;   /* the tick before which a body last moved */
+    uint32_t bodies_put_tick;     /* the tick before which a body was last added, removed, teleported, or felt or not */
     double body_motion_max;       /* m: the largest motion_bound of the bodies that moved then */
     double body_motion_before;    /* m: the sum of that over earlier ticks */
     double largest_diagonal;      /* m: of all bodies */

@@ -57,8 +57,8 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->side_limit = world->def.side_limit;
     made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
     made->unfelt = 0;
-    made->moved_tick = 0;
-    made->added_tick = world_coming_tick(world);
+    made->moved_tick = made->held_tick = 0;
+    made->added_tick = world->bodies_put_tick = world_coming_tick(world);
     made->slot.valid = 1;
     world_note_max(&world->usage.bodies, ++world->body_count);
     made->surface = *surface;
@@ -108,6 +108,7 @@ dpt_result dpt_body_remove(dpt_world *world, dpt_body body)
     world->invalid_body_count -= !removed->unfelt && !removed->slot.valid;
     measure_largest(world);
     forget_body(world, handle_index(body));
+    world->bodies_put_tick = world_coming_tick(world);
     world->has_changed = 1;
     return DPT_OK;
 }
@@ -224,7 +225,7 @@ static void begin_anew(struct dpt_world *world, struct body *body)
     world->has_changed = 1;
     body->moved_tick = 0;
     body->motion_bound = 0.0;
-    body->added_tick = world_coming_tick(world);
+    body->added_tick = world->bodies_put_tick = world_coming_tick(world);
     if (!body->unfelt)
         dpti_proxy_note_body(world, handle_index(body->id));
 }
@@ -309,8 +310,10 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
     found->kinetic_friction = settings.kinetic_friction;
     found->stiffness = settings.stiffness;
     world->has_changed = 1;
-    if (found->unfelt != settings.unfelt)
+    if (found->unfelt != settings.unfelt) {
+        world->bodies_put_tick = world_coming_tick(world);
         set_unfelt(world, found, settings.unfelt);
+    }
     return DPT_OK;
 }
 

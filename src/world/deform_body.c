@@ -8,9 +8,11 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/deform_vertices.h"
+#include "deform/spring_state.h"
 #include "proxy/proxy.h"
 #include "strip/strip_state.h"
 #include "tissue/tissue_solve.h"
+#include "track/body_search.h"
 #include "world/world_members.h"
 
 void dpt_deformable_def_defaults(dpt_deformable_def *def, size_t size)
@@ -24,21 +26,16 @@ enum { MAX_POINTS_MAX = 65535, PASSES_MAX = 1024 };
 /* s */
 #define PERIOD_MAX 1e3
 
-/* The default box: the mesh's, wider by that share of its diagonal. */
-#define BOX_SHARE 0.5
-
-static void set_default_box(const struct dpt_mesh *mesh, dpt_deformable_def *def)
+/* The default box: all that coordinates may be. */
+static void set_default_box(dpt_deformable_def *def)
 {
-    double wider = BOX_SHARE * length(sub(vec3_of(mesh->box_max), vec3_of(mesh->box_min)));
     for (int k = 0; k < 3; k++) {
         if (def->box_min[k] != 0.0 || def->box_max[k] != 0.0)
             return;
     }
-    if (!(wider > 0.0))
-        wider = 1.0;
     for (int k = 0; k < 3; k++) {
-        def->box_min[k] = max_of(mesh->box_min[k] - wider, -DPT_COORDINATE_MAX);
-        def->box_max[k] = min_of(mesh->box_max[k] + wider, DPT_COORDINATE_MAX);
+        def->box_min[k] = -DPT_COORDINATE_MAX;
+        def->box_max[k] = DPT_COORDINATE_MAX;
     }
 }
 
@@ -56,7 +53,7 @@ static dpt_result read_def(const dpt_deformable_def *given, dpt_deformable_def *
         return DPT_E_ARGUMENT;
     if (def->response > DPT_RESPONSE_DISPLACE || !def->passes || def->passes > PASSES_MAX)
         return DPT_E_ARGUMENT;
-    set_default_box(def->mesh, def);
+    set_default_box(def);
     if (!vec3_within(def->box_min, DPT_COORDINATE_MAX) || !vec3_within(def->box_max, DPT_COORDINATE_MAX))
         return DPT_E_FINITE;
     for (int k = 0; k < 3; k++) {
@@ -167,17 +164,66 @@ static void set_target(struct deform *deform, const struct vertex_update *update
     deform->time_left = deform->def.period;
 }
 
-/* Check an update of a body, and make it. */
-static dpt_result move_vertices(struct dpt_world *world, struct body *body, const struct vertex_update *update)
+/* The box of a body's surface goes where its vertices go, up to the def's. Returns 0 if they would leave that. */
+static int make_room(struct dpt_world *world, struct body *body, const struct vertex_update *update)
+{
+    const struct deform *deform = deform_of(body);
+    const float *target = deform->def.period > 0.0 ? deform->target : NULL;
+    double low[3], high[3];
+    if (dpti_deform_is_inside(&body->surface, &world->kernel, update->positions, update->count))
+        return 1;
+    if (!dpti_deform_is_in_limit(&body->surface, update->positions, update->count))
+        return 0;
+    dpti_deform_extent(&body->surface, update, target, low, high);
+    dpti_body_search_leave_frame(world, handle_index(body->id));
+    dpti_surface_move_box(&body->surface, low, high);
+    dpti_broad_phase_put_body(world, handle_index(body->id));
+    return 1;
+}
+
+/* There is room for the update. */
+static void move_within_room(struct dpt_world *world, struct body *body, const struct vertex_update *update)
 {
     struct deform *deform = deform_of(body);
-    if (!dpti_deform_is_inside(&body->surface, &world->kernel, update->positions, update->count))
-        return DPT_E_FINITE;
     if (update->count && deform->def.period > 0.0)
         set_target(deform, update);
     else if (update->count)
         move_now(world, body, update);
+}
+
+/* Check an update of a body, and make it; or hold the body where it is. */
+static dpt_result move_vertices(struct dpt_world *world, struct body *body, const struct vertex_update *update)
+{
+    if (!make_room(world, body, update)) {
+        body->held_tick = world_coming_tick(world);
+        return DPT_E_FINITE;
+    }
+    move_within_room(world, body, update);
     return DPT_OK;
+}
+
+static struct vertex_update update_of(const struct dpt_world *world, const struct body *body,
+                                      const struct spring_vertices *vertices, uint32_t count)
+{
+    return (struct vertex_update){ .positions = vertices->positions,
+                                   .list = count < body->surface.mesh->vertices ? vertices->list : NULL,
+                                   .count = count,
+                                   .bound = -1.0,
+                                   .tick = world_coming_tick(world) };
+}
+
+int dpti_deform_has_room(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                         uint32_t count)
+{
+    const struct vertex_update update = update_of(world, body, vertices, count);
+    return make_room(world, body, &update);
+}
+
+void dpti_deform_follow(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                        uint32_t count)
+{
+    const struct vertex_update update = update_of(world, body, vertices, count);
+    move_within_room(world, body, &update);
 }
 
 /* A share of a step: less time than that counts as none, as sums of dt are off by so much. */
@@ -303,6 +349,7 @@ void dpti_deform_reset(struct body *body)
     dpti_surface_motion_forget(&deform->motion);
     deform->point_count = deform->tool_count = 0;
     deform->has_lost_tool = 0;
+    body->held_tick = 0;
 }
 
 const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
@@ -319,11 +366,31 @@ const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world 
                : NULL;
 }
 
+/* Room about a tool's axis for what it moves out of its way. */
+static void make_room_at(struct dpt_world *world, struct body *body, const struct segment_strip *strip)
+{
+    const double reach[] = { -strip->radius, strip->radius };
+    float around[12];
+    for (int i = 0; i < 4; i++) {
+        const vec3 end = along(strip->a, (double)(i / 2), strip->u);
+        around[3 * i] = (float)(end.x + reach[i % 2]);
+        around[3 * i + 1] = (float)(end.y + reach[i % 2]);
+        around[3 * i + 2] = (float)(end.z + reach[i % 2]);
+    }
+    const struct vertex_update update = { .positions = around, .count = 4, .tick = world_coming_tick(world) };
+    make_room(world, body, &update);
+}
+
 static void displace_body(struct dpt_world *world, struct body *body)
 {
     const struct deform *deform = deform_of(body);
     struct surface *surface = &body->surface;
     int has_begun_anew;
+    for (uint32_t s = 0; s < world->segment_count; s++) {
+        const struct segment_strip *strip = dpti_deform_displacing_strip(world, s, handle_index(body->id));
+        if (strip)
+            make_room_at(world, body, strip);
+    }
     dpti_deform_begin(surface, world_coming_tick(world));
     for (uint32_t s = 0; s < world->segment_count; s++) {
         const struct segment_strip *strip = dpti_deform_displacing_strip(world, s, handle_index(body->id));
@@ -353,6 +420,28 @@ void dpti_deform_displace(struct dpt_world *world)
     }
 }
 
+dpt_result dpti_deform_get_loads(const struct dpt_world *world, const struct body *body,
+                                 int (*is_left_out)(const void *user, uint32_t tool_slot), const void *user,
+                                 dpt_load *loads, uint32_t capacity, uint32_t *count)
+{
+    const struct deform *deform = deform_of(body);
+    const struct surface surface = surface_view(&body->surface, world_coming_tick(world), 0.0);
+    uint32_t left_out = 0;
+    *count = 0;
+    for (uint32_t t = 0; t < deform->tool_count; t++) {
+        const struct tool_load *load = &deform->tools[t];
+        const uint32_t room = *count < capacity ? capacity - *count : 0;
+        if (is_left_out && is_left_out(user, load->tool_slot)) {
+            left_out++;
+            continue;
+        }
+        *count += dpti_deform_spread(&surface, deform->points + load->first, load->count, deform->def.load_radius,
+                                     &load->whole, room ? loads + *count : NULL, room);
+    }
+    const int has_lost_tool = deform->has_lost_tool && (!left_out || left_out < deform->tool_count);
+    return *count > capacity || has_lost_tool ? DPT_E_FULL : DPT_OK;
+}
+
 dpt_result dpt_body_get_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity, uint32_t *count)
 {
     if (count)
@@ -360,17 +449,7 @@ dpt_result dpt_body_get_loads(const dpt_world *world, dpt_body id, dpt_load *loa
     if (!world || !count || (!loads && capacity))
         return DPT_E_ARGUMENT;
     const struct body *body = find_deformable(world, id);
-    if (!body)
-        return DPT_E_HANDLE;
-    const struct deform *deform = deform_of(body);
-    const struct surface surface = surface_view(&body->surface, world_coming_tick(world), 0.0);
-    for (uint32_t t = 0; t < deform->tool_count; t++) {
-        const struct tool_load *load = &deform->tools[t];
-        const uint32_t room = *count < capacity ? capacity - *count : 0;
-        *count += dpti_deform_spread(&surface, deform->points + load->first, load->count, deform->def.load_radius,
-                                     &load->whole, room ? loads + *count : NULL, room);
-    }
-    return *count > capacity || deform->has_lost_tool ? DPT_E_FULL : DPT_OK;
+    return body ? dpti_deform_get_loads(world, body, NULL, NULL, loads, capacity, count) : DPT_E_HANDLE;
 }
 
 dpt_result dpt_body_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,

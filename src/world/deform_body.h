@@ -10,6 +10,25 @@
  */
 void dpti_deform_reset(struct body *body);
 
+/*
+ * What dpt_body_get_loads writes, for a deformable body, without the loads of the tools that a function leaves out; NULL:
+ * of all.
+ */
+dpt_result dpti_deform_get_loads(const struct dpt_world *world, const struct body *body,
+                                 int (*is_left_out)(const void *user, uint32_t tool_slot), const void *user,
+                                 dpt_load *loads, uint32_t capacity, uint32_t *count);
+
+struct spring_vertices; /* deform/spring_state.h */
+
+/*
+ * `count` vertices that were gathered from springs: 1 if the body's may be there, and its room is moved there. Then the
+ * vertices follow.
+ */
+int dpti_deform_has_room(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                         uint32_t count);
+void dpti_deform_follow(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                        uint32_t count);
+
 /* A segment's strip, if its tool pushes the surface of the body in this slot out of the way; else NULL. */
 const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
                                                          uint32_t slot);

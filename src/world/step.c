@@ -223,6 +223,15 @@ static void hide_answers(struct dpt_world *world)
         dpti_force_forget(&world->segments[s]);
 }
 
+/* The report of a step reads all hits, so they are part of its work. */
+static void find_late_hits(struct dpt_world *world)
+{
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        if (world->tools[t].slot.used && world->tools[t].has_late_hits)
+            dpti_tool_find_hits(world, &world->tools[t], &world->work);
+    world_note_max(&world->usage.work, world->work.done);
+}
+
 static void write_report(const struct dpt_world *world, dpt_step *to);
 
 dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
@@ -238,8 +247,10 @@ dpt_result dpt_world_step(dpt_world *world, double dt, dpt_step *out)
         tick(world, dt);
     else
         hide_answers(world);
-    if (has_report)
+    if (has_report) {
+        find_late_hits(world);
         write_report(world, out);
+    }
     return result;
 }
 
@@ -261,12 +272,13 @@ static void find_contacts(struct dpt_world *world, uint32_t segment_index, int i
     }
 }
 
-/* A segment's strip, where strips are asked for, and its hit as users get it. */
+/* A segment's strip, where strips are asked for, and its hit as users get it, unless that is of another pose. */
 static void write_segment(struct dpt_world *world, uint32_t segment_index)
 {
     if (world->def.strip && world->def.until != DPT_UNTIL_TRACK)
         dpti_strips_find(world, segment_index);
-    dpti_tool_write_hit(&world->segments[segment_index]);
+    if (!tool_of(world, segment_index)->has_late_hits)
+        dpti_tool_write_hit(&world->segments[segment_index]);
 }
 
 static void contact_at_proxy(struct dpt_world *world, uint32_t segment_index)
@@ -275,6 +287,7 @@ static void contact_at_proxy(struct dpt_world *world, uint32_t segment_index)
     near_bodies_forget(&world->near_bodies);
     find_contacts(world, segment_index, 1);
     world->segments[segment_index].result.work += world->work.done - work_before;
+    tool_of(world, segment_index)->has_late_hits = (uint32_t)dpti_proxy_is_away(world, tool_of(world, segment_index));
     write_segment(world, segment_index);
 }
 
@@ -284,40 +297,24 @@ static void finish_proxy(struct dpt_world *world, struct tool *tool)
     dpti_proxy_settle(world, tool);
 }
 
-static double surface_distance(struct part part)
+/* Tips have their contacts where the world has any. */
+static void find_contacts_of_tips(struct dpt_world *world, struct tool *tool)
 {
-    return part_hit(part)->distance - part_radius(part);
-}
-
-/* The part whose hit is the tool's. */
-static void choose_nearest(const struct dpt_world *world, struct tool *tool)
-{
-    for (uint32_t i = 0; i < tool_part_count(tool); i++) {
-        const struct part part = tool_part(world, tool, i), nearest = tool_part(world, tool, tool->nearest_segment);
-        const int is_stale_tip = part.tip && part_hit(part)->status == DPT_STATUS_STALE;
-        if (!is_stale_tip && surface_distance(part) < surface_distance(nearest))
-            tool->nearest_segment = i;
-    }
-}
-
-/* Tips have their hits, and their contacts where the world has any. */
-static void write_tips(struct dpt_world *world, struct tool *tool, const struct frame *device)
-{
-    dpti_tips_write_hits(world, tool, device);
-    if (world->def.until != DPT_UNTIL_TRACK && world->def.max_contacts)
+    if (tool->tip_count && world->def.until != DPT_UNTIL_TRACK && world->def.max_contacts)
         dpti_tips_find_contacts(world, tool);
 }
 
-/* Hits are those at the device's pose, from which the proxy may be held away. */
+/* Hits are those at the device's pose, from which the proxy may be held away: these are found when they are read. */
 static void write_hits_at_device(struct dpt_world *world, struct tool *tool)
 {
-    const struct frame device = tool_device_frame(tool);
-    const int is_away = dpti_proxy_is_away(world, tool);
-    if (is_away)
-        dpti_proxy_write_hits(world, tool);
-    if (tool->tip_count)
-        write_tips(world, tool, is_away ? &device : NULL);
-    choose_nearest(world, tool);
+    if (tool->has_late_hits)
+        dpti_proxy_note_device(world, tool);
+    else
+        dpti_tool_write_hits(world, tool);
+    /* A search makes boxes of vertices that moved, and with near_only it tells the next tick what is far. */
+    if (tool->has_late_hits && (world->deform_count || far_is_used(world, tool)))
+        dpti_tool_find_hits(world, tool, &world->work);
+    find_contacts_of_tips(world, tool);
 }
 
 static const struct search_stages search_with_proxy = {
@@ -361,9 +358,9 @@ static void contact_after_sweep(struct dpt_world *world, uint32_t segment_index)
 
 static void write_hits_of_tips(struct dpt_world *world, struct tool *tool)
 {
-    if (tool->tip_count && tool_is_active(world, tool))
-        write_tips(world, tool, NULL);
-    choose_nearest(world, tool);
+    dpti_tool_write_hits(world, tool);
+    if (tool_is_active(world, tool))
+        find_contacts_of_tips(world, tool);
 }
 
 static const struct search_stages search_with_sweep = {
@@ -505,6 +502,9 @@ static void write_report(const struct dpt_world *world, dpt_step *to)
     int has_answer = 0;
     dpt_step step = { .status = DPT_STATUS_EXACT, .contact = DPT_CONTACT_SEPARATED }, *out = &step;
     out->flags = world->contacts_overflowed ? DPT_STEP_FLAG_CONTACTS_FULL : 0;
+    for (uint32_t i = 0; world->deform_count && i < world->body_slot_end; i++)
+        if (world->bodies[i].slot.used && world->bodies[i].held_tick == world->ticks)
+            out->flags |= DPT_STEP_FLAG_BODY_HELD;
     for (uint32_t i = 0; i < contacts->count; i++)
         out->contacts += !contacts->items[i].is_unseen;
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {

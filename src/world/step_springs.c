@@ -83,7 +83,7 @@ static void take_displaced(const struct dpt_world *world, const struct body *bod
 static int body_is_solved(const struct body *body)
 {
     const dpt_deformable_def *def = &deform_of(body)->def;
-    return def->response == DPT_RESPONSE_LOAD && !(def->load_radius > 0.0) && !(def->period > 0.0);
+    return def->response == DPT_RESPONSE_LOAD && !(def->period > 0.0);
 }
 
 /* m: how far from the proxy pairs may come to carry force. What is fast now was so in the last step. */
@@ -98,29 +98,49 @@ static double reach_of(const struct tissue_solve *solve, double dt)
     return REACH + sqrt((double)square) * dt;
 }
 
-/* Loads of tools that are not solved for are those of the world's step. */
-static dpt_result begin_bodies(struct tissue_solve *solve, struct dpt_world *world, double dt)
+static int is_solved_for(const void *user, uint32_t tool_slot)
+{
+    const struct tissue_solve *solve = user;
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        if (solve->tools[t].slot == tool_slot)
+            return 1;
+    return 0;
+}
+
+/* Begin the steps of all bodies. Loads of tools that are not solved for are those of the world's step. */
+static void begin_bodies(struct tissue_solve *solve, const struct dpt_world *world, double dt)
 {
     uint32_t substeps = 1, count[TISSUE_BODIES_MAX];
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct dpt_springs *springs = solve->bodies[b].step.springs;
         const uint32_t own = dpti_springs_substeps_of(springs, dt);
         substeps = own > substeps ? own : substeps;
-        DPT_TRY(dpt_body_get_loads(world, solve->bodies[b].body->id, springs->vertices.loads, springs->def.max_loads,
-                                   &count[b]));
+        springs->result = dpti_deform_get_loads(world, solve->bodies[b].body, is_solved_for, solve,
+                                                springs->vertices.loads, springs->def.max_loads, &count[b]);
+        if (springs->result != DPT_OK)
+            count[b] = 0;
     }
     for (uint32_t b = 0; b < solve->body_count; b++)
         dpti_loaded_step_begin(&solve->bodies[b].step, solve->bodies[b].step.springs, dt, substeps, count[b]);
-    return DPT_OK;
 }
 
-static dpt_result move_vertices(struct dpt_world *world, dpt_body id, struct dpt_springs *springs)
+static struct body *body_of(struct dpt_world *world, const struct tissue_body *of)
 {
-    const struct spring_vertices *vertices = &springs->vertices;
-    const uint32_t moved = dpti_spring_vertices_gather(springs);
-    return moved == springs->def.mesh->vertices
-               ? dpt_body_set_vertices(world, id, 0, moved, vertices->positions, -1.0)
-               : dpt_body_set_vertex_list(world, id, vertices->list, moved, vertices->positions, -1.0);
+    return world_find_body(world, of->body->id);
+}
+
+/* Take the state that a step has reached, if the body's vertices may be there. */
+static dpt_result take_step(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
+{
+    dpti_loaded_step_take(step);
+    *moved = dpti_spring_vertices_gather(step->springs);
+    return dpti_deform_has_room(world, body, &step->springs->vertices, *moved) ? DPT_OK : DPT_E_FINITE;
+}
+
+static void write_info(const struct loaded_step *step, dpt_springs_info *info)
+{
+    if (info)
+        sized_write(info, info->size, &step->info, sizeof step->info);
 }
 
 /* How often touches are gathered again because the answer goes farther than they reach. */
@@ -134,6 +154,10 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
     for (uint32_t i = 0; i < substeps && is_done; i++) {
         double farthest = dpti_tissue_solve(solve);
         for (int again = 0; i == 0 && farthest > reach && again < GATHERED_AGAIN; again++) {
+            if (work_is_spent(&solve->work)) {
+                solve->is_full = 1;
+                break;
+            }
             reach = 2.0 * farthest;
             dpti_tissue_gather(solve, world, reach);
             dpti_tissue_link(solve);
@@ -144,43 +168,83 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
     return is_done;
 }
 
-/* All bodies of the solve, and the tools that touch them. */
-static dpt_result step_together(struct tissue_solve *solve, struct dpt_world *world, double dt, dpt_springs_info *infos)
+/* What contact took, in the first body's info. */
+static void tell_work(struct tissue_solve *solve, uint32_t units, dpt_springs_info *infos)
 {
-    dpt_result result = DPT_OK;
-    for (uint32_t t = 0; t < solve->tool_count; t++)
-        dpti_loads_forget(world, &world->tools[solve->tools[t].slot]);
-    DPT_TRY(begin_bodies(solve, world, dt));
+    dpt_springs_info *of = &solve->bodies[0].step.info;
+    of->work = units;
+    if (infos)
+        sized_write(&infos[solve->bodies[0].number], infos[solve->bodies[0].number].size, of, sizeof *of);
+}
+
+/* Whether all bodies of the solve can go where their steps have led. If not, those that cannot are known by their result. */
+static int take_steps(struct tissue_solve *solve, struct dpt_world *world, int is_done, uint32_t *moved)
+{
+    int is_whole = 1;
+    for (uint32_t b = 0; b < solve->body_count; b++) {
+        struct loaded_step *step = &solve->bodies[b].step;
+        if (step->has_failed)
+            step->springs->result = DPT_E_FINITE;
+        else if (is_done && step->springs->result == DPT_OK)
+            step->springs->result = take_step(world, body_of(world, &solve->bodies[b]), step, &moved[b]);
+        is_whole &= step->springs->result == DPT_OK;
+    }
+    return is_whole;
+}
+
+/*
+ * All bodies of the solve, and the tools that touch them. Returns 0 if a body cannot be stepped: then all are where they
+ * were, and its result says why.
+ */
+static int step_together(struct tissue_solve *solve, struct dpt_world *world, double dt, dpt_springs_info *infos)
+{
+    uint32_t moved[TISSUE_BODIES_MAX] = { 0 };
+    begin_bodies(solve, world, dt);
     const int is_done = make_substeps(solve, world, reach_of(solve, dt));
+    const int is_whole = take_steps(solve, world, is_done, moved);
     for (uint32_t b = 0; b < solve->body_count; b++) {
-        const dpt_result one =
-            dpti_loaded_step_end(&solve->bodies[b].step, is_done, infos ? &infos[solve->bodies[b].number] : NULL);
-        result = result ? result : one;
+        struct loaded_step *step = &solve->bodies[b].step;
+        if (!is_whole) {
+            dpti_loaded_step_undo(step);
+            continue;
+        }
+        dpti_loaded_step_keep(step);
+        write_info(step, infos ? &infos[solve->bodies[b].number] : NULL);
     }
-    DPT_TRY(result);
+    if (!is_whole)
+        return 0;
     dpti_tissue_tell(solve, world);
-    for (uint32_t b = 0; b < solve->body_count; b++) {
-        const dpt_result one = move_vertices(world, solve->bodies[b].body->id, solve->bodies[b].step.springs);
-        result = result ? result : one;
-    }
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        dpti_deform_follow(world, body_of(world, &solve->bodies[b]), &solve->bodies[b].step.springs->vertices,
+                           moved[b]);
     dpti_tissue_settle(solve, world);
-    return result;
+    tell_work(solve, solve->work.done, infos);
+    return 1;
 }
 
 /* A body by itself, with the loads of the last step of the world. */
-static dpt_result step_alone(struct dpt_world *world, const struct body *body, struct dpt_springs *springs, double dt,
+static dpt_result step_alone(struct dpt_world *world, struct body *body, struct dpt_springs *springs, double dt,
                              dpt_springs_info *info)
 {
     const struct spring_vertices *vertices = &springs->vertices;
-    uint32_t count = 0;
+    struct loaded_step step;
+    uint32_t count = 0, moved = 0;
     if (deform_of(body)->def.response == DPT_RESPONSE_LOAD)
         DPT_TRY(dpt_body_get_loads(world, body->id, vertices->loads, springs->def.max_loads, &count));
     else if (vertices->nodes || deform_of(body)->def.period > 0.0)
         return DPT_E_UNSUPPORTED;
     else
         take_displaced(world, body, springs, dt);
-    DPT_TRY(dpti_springs_step_loaded(springs, dt, count, info));
-    return move_vertices(world, body->id, springs);
+    const dpt_result result =
+        dpti_loaded_step_make(&step, springs, dt, count) ? take_step(world, body, &step, &moved) : DPT_E_FINITE;
+    if (result != DPT_OK) {
+        dpti_loaded_step_undo(&step);
+        return result;
+    }
+    dpti_loaded_step_keep(&step);
+    write_info(&step, info);
+    dpti_deform_follow(world, body, vertices, moved);
+    return DPT_OK;
 }
 
 static dpt_result check(const struct dpt_world *world, dpt_body id, const struct dpt_springs *springs, double dt,
@@ -193,7 +257,7 @@ static dpt_result check(const struct dpt_world *world, dpt_body id, const struct
         return DPT_E_HANDLE;
     if (springs->def.mesh != body->surface.mesh)
         return DPT_E_ARGUMENT;
-    return dpti_springs_check_step(springs, dt, info);
+    return dpti_springs_check_step(dt, info);
 }
 
 /* Bodies that are to be stepped. */
@@ -211,7 +275,7 @@ static void take_body(struct tissue_solve *solve, const struct dpt_world *world,
                                                                .step = { .springs = list->springs[number] } };
 }
 
-/* The bodies that tools touch, and their touches; NULL if there are none. The first of them lends its memory. */
+/* The bodies that tools touch and that can be stepped, and their touches; NULL: none. The first of them lends its memory. */
 static struct tissue_solve *begin_solve(struct dpt_world *world, const struct step_list *list, double dt)
 {
     struct tissue_solve *solve = NULL;
@@ -219,10 +283,11 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
     for (uint32_t i = 0; i < list->count; i++) {
         const struct body *body = world_find_body(world, list->bodies[i]);
         struct tissue_solve *own = deform_of(body)->solve;
-        if (!own || !body_is_solved(body))
+        if (!own || !body_is_solved(body) || list->springs[i]->result != DPT_OK)
             continue;
         own->body_count = own->is_full = 0;
         own->dt = dt;
+        own->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
         take_body(own, world, list, i);
         dpti_tissue_gather(own, world, reach_of(own, dt));
         if (!own->touches.count)
@@ -236,8 +301,11 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
     if (count < 2)
         return solve;
     solve->body_count = 0;
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
+        const struct tissue_solve *own = deform_of(world_find_body(world, list->bodies[touched[i]]))->solve;
+        work_spend(&solve->work, own == solve ? 0 : own->work.done);
         take_body(solve, world, list, touched[i]);
+    }
     dpti_tissue_gather(solve, world, reach_of(solve, dt));
     return solve;
 }
@@ -263,6 +331,7 @@ static struct tissue_solve *resting_solve(const struct dpt_world *world, const s
 static void rest_together(struct tissue_solve *solve, struct dpt_world *world, dpt_springs_info *infos)
 {
     dpti_tissue_tell_again(solve, world);
+    tell_work(solve, 0, infos);
     for (uint32_t b = 0; infos && b < solve->body_count; b++) {
         dpt_springs_info *info = &infos[solve->bodies[b].number];
         sized_write(info, info->size, &solve->bodies[b].step.info, sizeof *info);
@@ -277,6 +346,35 @@ static int is_in_solve(const struct tissue_solve *solve, uint32_t number)
     return 0;
 }
 
+/* A body is where it was: what is told of it. */
+static void hold(struct dpt_world *world, dpt_body id, const struct dpt_springs *springs, dpt_springs_info *info)
+{
+    const dpt_springs_info told = {
+        .size = sizeof told, .nodes = springs->net.nodes, .result = springs->result, .stable_step = springs->stable_step
+    };
+    world_find_body(world, id)->held_tick = world_coming_tick(world);
+    if (info)
+        sized_write(info, info->size, &told, sizeof told);
+}
+
+/* Step the bodies that are not in the solve, one by one. Returns the result of the first that is held. */
+static dpt_result step_others(struct dpt_world *world, const struct tissue_solve *solve, const struct step_list *list,
+                              double dt, dpt_springs_info *infos)
+{
+    dpt_result result = DPT_OK;
+    for (uint32_t i = 0; i < list->count; i++) {
+        struct dpt_springs *springs = list->springs[i];
+        dpt_springs_info *info = infos ? &infos[i] : NULL;
+        if (springs->result == DPT_OK && !is_in_solve(solve, i))
+            springs->result = step_alone(world, world_find_body(world, list->bodies[i]), springs, dt, info);
+        if (springs->result == DPT_OK)
+            continue;
+        hold(world, list->bodies[i], springs, info);
+        result = result == DPT_OK ? springs->result : result;
+    }
+    return result;
+}
+
 dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt_springs *const *springs,
                                    uint32_t count, double dt, dpt_springs_info *infos)
 {
@@ -289,15 +387,15 @@ dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt
             if (bodies[k] == bodies[i] || springs[k] == springs[i])
                 return DPT_E_ARGUMENT;
     }
+    for (uint32_t i = 0; i < count; i++)
+        springs[i]->result = dpti_springs_substeps_of(springs[i], dt) ? DPT_OK : DPT_E_UNSTABLE;
     struct tissue_solve *solve = resting_solve(world, &list, dt);
     if (solve)
         rest_together(solve, world, infos);
-    else if ((solve = begin_solve(world, &list, dt)) != NULL)
-        DPT_TRY(step_together(solve, world, dt, infos));
-    for (uint32_t i = 0; i < count; i++)
-        if (!is_in_solve(solve, i))
-            DPT_TRY(step_alone(world, world_find_body(world, bodies[i]), springs[i], dt, infos ? &infos[i] : NULL));
-    return DPT_OK;
+    else
+        while ((solve = begin_solve(world, &list, dt)) != NULL && !step_together(solve, world, dt, infos))
+            ;
+    return step_others(world, solve, &list, dt, infos);
 }
 
 dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_springs *springs, double dt,

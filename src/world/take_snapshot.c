@@ -3,8 +3,10 @@
 #include "base/sized.h"
 #include "exchange/snapshot_format.h"
 #include "proxy/proxy.h"
+#include "proxy/proxy_pose.h"
 #include "track/tool_parts.h"
 #include "world/deform_body.h"
+#include "world/tool_results.h"
 
 enum { SNAPSHOT_CONTACTS_MAX = 1 << 20, SNAPSHOT_STRIP_MAX = 1 << 20, SNAPSHOT_VERTICES_MAX = 1 << 28 };
 
@@ -108,14 +110,22 @@ static void put(struct taking *taking, enum snapshot_kind kind, const void *item
         dpti_snapshot_put_item(kind, item, to);
 }
 
+/* In this tick, or after it. */
+static int is_held(const struct dpt_world *world, const struct body *body)
+{
+    return body->held_tick && world_coming_tick(world) - body->held_tick <= 1;
+}
+
 static void put_body(struct taking *taking, const struct body *body)
 {
     const uint32_t own = deform_of(body) ? body->surface.mesh->vertices : 0;
     const uint32_t first = taking->done[SNAPSHOT_VERTICES];
     const int is_in = own && own <= taking->count[SNAPSHOT_VERTICES] - first;
     const dpt_snapshot_body item = { .id = body->id,
-                                     .flags = (own ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_DEFORMS : 0) |
-                                              (body->slot.valid ? 0 : (uint32_t)DPT_SNAPSHOT_BODY_FLAG_STALE),
+                                     .flags =
+                                         (own ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_DEFORMS : 0) |
+                                         (body->slot.valid ? 0 : (uint32_t)DPT_SNAPSHOT_BODY_FLAG_STALE) |
+                                         (is_held(taking->world, body) ? (uint32_t)DPT_SNAPSHOT_BODY_FLAG_HELD : 0),
                                      .first_vertex = is_in ? first : DPT_NONE,
                                      .vertices = own,
                                      .user = body->user,
@@ -269,7 +279,8 @@ static void put_tool(struct taking *taking, const struct tool *tool)
                                .wrench = tool->wrench,
                                .energy = tool->energy,
                                .body_work = tool->body_work };
-    item.proxy = has_proxy && proxy->state != PROXY_NONE ? proxy->pose : tool->pose;
+    item.proxy = has_proxy && proxy->state != PROXY_NONE ? dpti_proxy_told_pose(proxy) : tool->pose;
+    dpt_tool_get_end(world, item.id, &item.end);
     if (has_proxy) {
         item.lag = proxy->lag;
         item.folds = proxy->folds;
@@ -352,8 +363,10 @@ dpt_result dpt_world_take_snapshot(const dpt_world *world, const dpt_snapshot_de
         if (world->bodies[i].slot.used)
             put_body(&taking, &world->bodies[i]);
     for (uint32_t i = 0; i < world->tool_slot_end; i++)
-        if (world->tools[i].slot.used)
+        if (world->tools[i].slot.used) {
+            dpti_tool_read_hits(world, &world->tools[i]);
             put_tool(&taking, &world->tools[i]);
+        }
     *bytes = (size_t)taking.bytes;
     return DPT_OK;
 }

@@ -4,6 +4,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "proxy/proxy.h"
+#include "proxy/proxy_pose.h"
 #include "track/tool_parts.h"
 
 void dpti_tool_write_hit(struct segment *segment)
@@ -14,13 +15,55 @@ void dpti_tool_write_hit(struct segment *segment)
                                   &segment->answer.track.nearest, &segment->hit);
 }
 
+static double surface_distance(struct part part)
+{
+    return part_hit(part)->distance - part_radius(part);
+}
+
+/* The part whose hit is the tool's. */
+static void choose_nearest(const struct dpt_world *world, struct tool *tool)
+{
+    for (uint32_t i = 0; i < tool_part_count(tool); i++) {
+        const struct part part = tool_part(world, tool, i), nearest = tool_part(world, tool, tool->nearest_segment);
+        const int is_stale_tip = part.tip && part_hit(part)->status == DPT_STATUS_STALE;
+        if (!is_stale_tip && surface_distance(part) < surface_distance(nearest))
+            tool->nearest_segment = i;
+    }
+}
+
+void dpti_tool_write_hits(struct dpt_world *world, struct tool *tool)
+{
+    if (tool->tip_count && tool_is_active(world, tool))
+        dpti_tips_write_hits(world, tool, NULL, &world->work);
+    choose_nearest(world, tool);
+}
+
+void dpti_tool_find_hits(const struct dpt_world *world, struct tool *tool, struct work *work)
+{
+    struct frame device;
+    frame_of_pose(&proxy_of(world, tool)->device_pose, &device);
+    dpti_proxy_write_hits(world, tool, work);
+    dpti_tips_write_hits(world, tool, &device, work);
+    choose_nearest(world, tool);
+    tool->has_late_hits = 0;
+}
+
+void dpti_tool_read_hits(const struct dpt_world *world, struct tool *tool)
+{
+    const uint32_t coming = world_coming_tick(world);
+    const int is_lost = world->bodies_put_tick == coming || (tool->tip_count && world->bodies_moved_tick == coming);
+    struct work left = world->work;
+    if (tool->has_late_hits && !is_lost)
+        dpti_tool_find_hits(world, tool, &left);
+}
+
 void dpti_tool_clear_hits(struct dpt_world *world, struct tool *tool)
 {
     for (uint32_t i = 0; i < tool->segment_count; i++)
         world->segments[tool->first_segment + i].hit =
             (dpt_hit){ .size = sizeof(dpt_hit), .status = DPT_STATUS_STALE, .triangle = DPT_NONE, .segment = i };
     dpti_tips_clear(world, tool);
-    tool->nearest_segment = 0;
+    tool->nearest_segment = tool->has_late_hits = 0;
     tool->force_reason = DPT_FORCE_STALE;
     tool->force_flags = 0;
 }
@@ -61,7 +104,9 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
     const dpt_hit stale = { .status = DPT_STATUS_STALE, .triangle = DPT_NONE };
     DPT_TRY(sized_check(hit, sizeof *hit, 0));
     sized_write(hit, hit->size, &stale, sizeof stale);
-    const struct tool *owner = world_find_tool(world, tool);
+    struct tool *owner = world_find_tool(world, tool);
+    if (owner)
+        dpti_tool_read_hits(world, owner);
     if (owner && segment >= owner->segment_count && segment - owner->segment_count < owner->tip_count) {
         const struct tip *tip = tool_tip(world, owner, segment - owner->segment_count);
         sized_write(hit, hit->size, &tip->hit, sizeof tip->hit);
@@ -74,7 +119,9 @@ dpt_result dpt_tool_get_segment_hit(const dpt_world *world, dpt_tool tool, uint3
 
 dpt_result dpt_tool_get_hit(const dpt_world *world, dpt_tool tool, dpt_hit *hit)
 {
-    const struct tool *owner = world ? world_find_tool(world, tool) : NULL;
+    struct tool *owner = world ? world_find_tool(world, tool) : NULL;
+    if (owner)
+        dpti_tool_read_hits(world, owner);
     return dpt_tool_get_segment_hit(world, tool, owner ? owner->nearest_segment : 0, hit);
 }
 
@@ -92,6 +139,8 @@ dpt_result dpt_tool_get_contacts(const dpt_world *world, dpt_tool tool, dpt_cont
     const struct tool *owner = world_find_tool(world, tool);
     if (!owner)
         return DPT_E_HANDLE;
+    if (!world->def.max_contacts)
+        return DPT_E_FULL;
     const struct persistent_contacts *current = &world->contacts[world->contacts_index];
     for (uint32_t s = owner->first_segment; s < owner->first_segment + owner->segment_count; s++)
         for (uint32_t i = 0; i < current->count; i++) {
@@ -176,6 +225,16 @@ dpt_result dpt_tool_get_proxy(const dpt_world *world, dpt_tool tool, dpt_pose *p
     if (!owner)
         return DPT_E_HANDLE;
     const struct proxy *proxy = dpti_proxy_is_used(world, owner) ? &world->proxies[owner - world->tools] : NULL;
-    *pose = proxy && proxy->state != PROXY_NONE ? proxy->pose : owner->pose;
+    *pose = proxy && proxy->state != PROXY_NONE ? dpti_proxy_told_pose(proxy) : owner->pose;
+    return DPT_OK;
+}
+
+dpt_result dpt_tool_get_end(const dpt_world *world, dpt_tool tool, dpt_pose *pose)
+{
+    DPT_TRY(dpt_tool_get_proxy(world, tool, pose));
+    const struct tool *owner = world_find_tool(world, tool);
+    const struct proxy *proxy = dpti_proxy_is_used(world, owner) ? &world->proxies[owner - world->tools] : NULL;
+    if (proxy && proxy->state != PROXY_NONE && proxy->is_ended)
+        *pose = proxy->end;
     return DPT_OK;
 }

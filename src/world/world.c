@@ -24,7 +24,7 @@ enum {
     BYTES_WORLD = 24576, /* the world itself, with one distance profile */
     BYTES_BODY = 2048,   /* with its box */
     BYTES_TOOL = 512,
-    BYTES_SEGMENT = 1920,
+    BYTES_SEGMENT = 1984,
     BYTES_TIP = 1088,
     BYTES_HULL = 6784,
     BYTES_POINT_CACHE = 21504, /* and for each segment BYTES_POINT_CACHE_SEGMENT */

@@ -72,12 +72,13 @@ INTRODUCTION = """\
 # Stability: what breaks which method
 
 `dynpoint stability` breaks methods of force on purpose. Each case below says what is done, what was measured, what is
-allowed, and what to do about it. `dynpoint stability CASE` runs one of them; `make stability` runs all and makes this
-page. There is no hardware in it: hands and devices are simulated ([drivers.md](drivers.md#sim)).
+allowed, and what to do about it. `dynpoint stability CASE` runs one of them. Without a name it runs {count} cases, in some
+minutes: all but `hum`, which takes two minutes more, and of which some rows are known to fail. `make stability` runs all
+and makes this page. There is no hardware in it: hands and devices are simulated ([drivers.md](drivers.md#sim)).
 
 | method | what it is |
 |---|---|
-| proxy | the default: a spring to a pose of the tool that has gone through nothing ([force.md](algorithms/force.md)) |
+| proxy | the default: a spring to a pose of the tool that has gone through nothing; more than 1 rad from its device it starts again there, and tells it ([force.md](algorithms/force.md)) |
 | bed | the gradient of an energy along the tool and at its ends |
 | ball | a proxy of one point at the tool's tip, as point-based toolkits have it; it is our own, not their code |
 | point | the paper's: a push at the deepest point of the tool |
@@ -159,12 +160,22 @@ def figures_table(case):
     return "\n".join(rows)
 
 
+def table(head, lines):
+    return "\n".join("| " + " | ".join(line) + " |" for line in (head, ["---"] * len(head), *lines))
+
+
 def rows_table(case):
-    keys = list(case["rows"][0])
-    table = ["| " + " | ".join(key.replace("_", " ") for key in keys) + " |", "|---" * len(keys) + "|"]
-    for row in case["rows"]:
-        table.append("| " + " | ".join(v if isinstance(v, str) else number(v) for v in row.values()) + " |")
-    return "\n".join(table)
+    """How many rows of each scene and hand hold, and all that do not."""
+    rows = case["rows"]
+    hands = list(dict.fromkeys(row["hand"] for row in rows))
+    held = []
+    for scene in dict.fromkeys(row["scene"] for row in rows):
+        of = {hand: [row["verdict"] == "holds" for row in rows if (row["scene"], row["hand"]) == (scene, hand)] for hand in hands}
+        of["all"] = sum(of.values(), [])
+        held.append([scene, *(f"{sum(told)} of {len(told)}" for told in of.values())])
+    others = [[v if isinstance(v, str) else number(v) for v in row.values()] for row in rows if row["verdict"] != "holds"]
+    return (f"Rows that hold, by what the hand does:\n\n{table(['scene', *hands, 'all'], held)}\n\nRows that do not:\n\n"
+            + table([key.replace("_", " ") for key in rows[0]], others))
 
 
 def section(case):
@@ -221,7 +232,7 @@ def main(results, docs):
     if unknown:
         sys.exit(f"stability.py: no title for {', '.join(sorted(unknown))}")
     write_charts(cases, docs + "/charts")
-    page = [INTRODUCTION, summary(cases), *map(section, cases)]
+    page = [INTRODUCTION.format(count=len([case for case in cases if not case.get("rows")])), summary(cases), *map(section, cases)]
     chart.write(docs + "/stability.md", "\n\n".join(p.rstrip("\n") for p in page) + "\n")
 
 

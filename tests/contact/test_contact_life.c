@@ -165,7 +165,7 @@ static void room_for_contacts(void)
         for (int k = 0; k < 3; k++) {
             const dpt_hit hit = rig_step_ends(&rig, ends, 0.003);
             const int full = (rig.step.flags & DPT_STEP_FLAG_CONTACTS_FULL) != 0;
-            const uint32_t count = rig_contacts(&rig, c), fit = room[i] < 2 ? room[i] : 2;
+            const uint32_t count = room[i] ? rig_contacts(&rig, c) : 0, fit = room[i] < 2 ? room[i] : 2;
             if (!i && !k)
                 gap = hit.gap;
             CHECK(count == fit && rig.step.contacts == fit, "%u, %u regions in room for %u", count, rig.step.contacts,

@@ -10,7 +10,8 @@
 #include "nearest/nearest_pair.h"
 #include "track/world_state.h"
 
-static int axes = 400;
+enum { AXES = 400 };
+static int axes = AXES;
 
 /* `mesh` may be NULL. */
 static int open_rig(struct rig *rig, const dpt_mesh *mesh, uint32_t max_contacts)
@@ -406,7 +407,8 @@ int main(int argc, char **argv)
         SKIP("public meshes with defects", "DPT_DATA does not name the data folder");
     TEST(a_hole_costs_little);
     TEST(parts_with_holes_cost_little);
-    TEST(many_bad_parts_cost_less);
+    if (axes >= AXES) /* the units are the same with fewer, and in a sanitized build */
+        TEST(many_bad_parts_cost_less);
     TEST(bodies_that_deform);
     return check_report();
 }

@@ -38,8 +38,8 @@ ${CC:-cc} -std=gnu99 -Iinclude tests/firmware/arm.c "$build/libdynpoint_compile.
     -o "$out/arm" >>"$out/log" 2>&1 && "$out/arm" >"$out/arm.c"
 verdict $? "an arm of three joints likewise"
 # The core as one file, by the compiler's plain -O2, as firmware takes it; on this machine it is the library.
-make -s amalgamation B="$out" &&
-    ${cross}gcc -O2 $machine -Wall -Wextra -Werror -ffunction-sections -fdata-sections -c "$out/amalgamation/dynpoint.c" \
+make -s amalgamation B="$build" &&
+    ${cross}gcc -O2 $machine -Wall -Wextra -Werror -ffunction-sections -fdata-sections -c "$build/amalgamation/dynpoint.c" \
         -o "$out/dynpoint.o" >>"$out/log" 2>&1
 is_built=$?
 core=$out/dynpoint.o

@@ -118,6 +118,34 @@ static void meets_the_conditions(void)
     free(problem);
 }
 
+/* With a unit of work a call, some calls from where the last one ended find the answer; none pulls, and none goes back. */
+static void calls_with_little_work_get_there(void)
+{
+    struct problem *problem = malloc(sizeof *problem);
+    uint64_t seed = 8;
+    uint32_t most = 0;
+    for (int i = 0; i < 300; i++) {
+        struct complementarity *solver = &problem->solver;
+        uint32_t calls = 0;
+        int result = COMPLEMENTARITY_FULL;
+        draw(problem, 20 + (uint32_t)(random_bits(&seed) % 60), 4 + (uint32_t)(random_bits(&seed) % 20), 0.0, &seed);
+        while (result == COMPLEMENTARITY_FULL && calls++ < 200) {
+            struct work work = work_of(1);
+            solver->work = &work;
+            result = dpti_complementarity_solve(solver);
+            CHECK(!work_left(&work) || !solver->passes, "case %d: %u passes for %u units", i, solver->passes,
+                  work.done);
+            for (uint32_t a = 0; a < solver->active_count; a++)
+                CHECK(solver->multiplier[a] >= 0.0 && solver->gap[solver->active[a]] < 1e-9, "case %d: it pulls", i);
+        }
+        CHECK(result == COMPLEMENTARITY_SOLVED, "case %d: not after %u calls", i, calls);
+        check_answer(i, problem);
+        most = calls > most ? calls : most;
+    }
+    CHECK(most > 5, "at most %u calls", most);
+    free(problem);
+}
+
 /* Some rows are equalities, that the point inside meets, and one is only watched. */
 static void equalities_hold(void)
 {
@@ -213,6 +241,7 @@ static void nothing_gives_nothing(void)
 int main(void)
 {
     TEST(meets_the_conditions);
+    TEST(calls_with_little_work_get_there);
     TEST(equalities_hold);
     TEST(begins_anywhere);
     TEST(says_what_cannot_be);

@@ -109,7 +109,8 @@ lane() {
     done
 }
 
-# One lane begins with what looks at the clock. What waits takes none of their places, and goes at once.
+# What looks at the clock has a lane of its own. Half of its time it waits, so the others are as many as without it, and
+# give way to it. What waits takes none of their places, and goes at once.
 go() { # LANES
     : >"$dir/computing"
     : >"$dir/waiting"
@@ -125,8 +126,8 @@ go() { # LANES
     for waiting in $(seq 16); do
         lane <"$dir/waiting" &
     done
-    { lane <"$dir/clock"; lane nice <"$dir/computing"; } &
-    for other in $(seq 2 "$1"); do
+    [ ! -s "$dir/clock" ] || lane <"$dir/clock" &
+    for computing in $(seq "$1"); do
         lane nice <"$dir/computing" &
     done
     wait

@@ -63,8 +63,6 @@ p["measured"]["distance_error"] <= 1e-4 and p["measured"]["unknown"] <= p["measu
 p["measured"]["time_p999"] <= 0.001'
     check 'no stability without a device' json torus.json '"stability: no identified device was given" in p["does_not_promise"]'
     check 'half of the trace, backwards, and two others' json torus.json 'p["measured"]["ticks"] > 17000'
-    succeeds 'the same again' plan torus.dpa --error 0.1mm --force-error 0.05N --rate 500 --ticks 10000 -o again.json
-    check 'the same setting' sh -c 'for f in torus again; do sed -n "/\"setting\": {/,/}/p" $f.json >$f.set; done; cmp -s torus.set again.set'
 }
 
 # A wall limits the margin. No force is asked for, which takes less time.
@@ -75,6 +73,9 @@ thin()
     check 'margin: a third of the thinnest wall' json thin.json '0.0038 < p["thinnest_wall"] < 0.004 and
 abs(p["setting"]["margin"] - p["thinnest_wall"] / 3) < 1e-15'
     holds 'another seed' --plan thin.json --seed 21 --ticks 4000
+    [ ! "$is_part" ] || return
+    succeeds 'the same again' plan thin.dpa --error 100um --rate 1kHz --ticks 10000 -o again.json
+    check 'the same setting' sh -c 'for f in thin again; do sed -n "/\"setting\": {/,/}/p" $f.json >$f.set; done; cmp -s thin.set again.set && test -s thin.set'
 }
 
 # has_keys_of FILE KEY...: as has_keys, of a file of many lines
@@ -232,8 +233,8 @@ J
     notes 'at another rate' 'what it promises does not count' run --plan torus.json --device 'sim:?hand=press&rate=2000' --ticks 50 --json
 }
 
-# A tool that presses now here, now there, and flies across in one tick: the sweeps of that may wait, as nothing is met on
-# the way. The slides of the torus' own plan need theirs.
+# A tool that rests above, presses now here, now there, and flies across in one tick: the sweeps of that may wait, as nothing
+# is met on the way. The slides of the torus' own plan need theirs.
 sweeps()
 {
     check 'slides are swept at once' json torus.json 'p["setting"]["sweep_budget"] == 0'
@@ -246,6 +247,7 @@ sweeps()
             print "tick,ax,ay,az,bx,by,bz"
             for (side = 1; tick < 10080; side = -side) {
                 x = 0.1 * side
+                for (i = 0; i < 220; i++) row(0.06)
                 for (i = 0; i < 40; i++) row(0.06 - 0.0195 * i / 39)
                 for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
                 for (i = 0; i < 40; i++) row(0.0405 + 0.0195 * i / 39)

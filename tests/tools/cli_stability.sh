@@ -109,6 +109,26 @@ baselines()
         sort -u | wc -l)" -eq 5
 }
 
+# A proxy that crawls uses the whole of its bound, and rounding does not break it. With fewer places none does so.
+bounds()
+{
+    succeeds 'budget, of more places' stability budget --effort 0.15 --json
+    told='"method":"proxy","what":"below 200 units: largest |dW|, of K (3 |motion| + 1 mm)","value"'
+    check "the bound is met: $(grep -oF "$told" stdout)" grep -qF "$told:1," stdout
+}
+
+# README, docs/stability.md and --help say how many cases run where none is named.
+counted()
+{
+    cases=$(grep -vc '(only where named)$' list)
+    for page in README.md docs/stability.md; do
+        check "$page: not $cases cases, but $(grep -oE '[0-9]+ cases' "$tests/../$page")" \
+            test "$(grep -oE '[0-9]+ cases' "$tests/../$page")" = "$cases cases"
+    done
+    succeeds 'stability --help' stability --help
+    check "--help: not $cases cases" grep -q "default: $cases cases, all but " stdout
+}
+
 # The same figures again, as a table too.
 again()
 {
@@ -126,5 +146,7 @@ listed
 refusals
 shown
 [ "$is_part" ] || baselines
+[ "$is_part" ] || bounds
+counted
 again
 finish

@@ -12,7 +12,7 @@ succeeds 'stability --list' stability --list
 check '--list: it runs only where it is named' grep -q '^hum  *[A-Z].*(only where named)$' stdout
 check '--list: nothing else does' test "$(grep -c '(only where named)' stdout)" -eq 1
 succeeds 'stability --help' stability --help
-check '--help: some cases must be named' grep -q 'only where they are named' stdout
+check '--help: it must be named' grep -q 'hum, which runs only where it is named' stdout
 
 json()
 {

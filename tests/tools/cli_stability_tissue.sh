@@ -79,7 +79,11 @@ is_within displace point 'edges of r/2, nearest alone: rms above 100 Hz, of the 
 holds springs proxy 'needle, SYMPLECTIC: fastest in the last quarter'
 holds springs proxy 'needle, SYMPLECTIC: drift from the second quarter to the last'
 holds springs observer 'needle, SYMPLECTIC: least account'
-holds springs proxy 'lying tool, SYMPLECTIC: rms of the force about its mean there'
+for tool in needle 'lying tool'; do
+    holds springs proxy "$tool, SYMPLECTIC: hum there, of what is allowed"
+    holds springs proxy "$tool, SYMPLECTIC: 99 % of jumps there, of what is allowed"
+done
+is_within springs proxy 'lying tool, loads spread over 20 mm: hum there, of what is allowed' 0 1
 holds springs observer 'lying tool, SYMPLECTIC: least account'
 is_within springs proxy 'needle, SYMPLECTIC: how deep the liver was pressed' 2 6
 

@@ -122,7 +122,7 @@ def read_scene(message):
     assert scene["up"] in "yz" and scene["frame_rate"] == 60 and scene["control"] is False
     return scene
 
-strides = {1: 80, 2: 248, 3: 224, 4: 144, 5: 32, 6: 12}
+strides = {1: 80, 2: 304, 3: 224, 4: 144, 5: 32, 6: 12}
 
 def read_snapshot(block, scene):
     magic, version, header, size, steps, time, flags, count, work, zero, more = struct.unpack_from("<8sIIQQdIIIIQ", block)
@@ -142,7 +142,7 @@ def read_snapshot(block, scene):
         assert bool(body[1] & 1) == (body[3] > 0)
         assert body[2] == NONE or body[2] + body[3] <= len(sections.get(6, []))
     assert len(sections[2]) == 1
-    tool = struct.unpack("<12I2Q23d", sections[2][0])
+    tool = struct.unpack("<12I2Q30d", sections[2][0])
     assert tool[4] == 0 and tool[5] == len(sections[3]) > tool[10] and tool[7] == len(sections.get(4, []))
     for item in sections[3]:
         segment = struct.unpack("<8I24d", item)

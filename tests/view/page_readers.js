@@ -124,6 +124,12 @@ async function whatIsRead() {
       ],
     );
     assert.match(readouts.texts(frameAt(10), 0, {}).reason, /^free/);
+    const wrong = frameAt(150);
+    assert.strictEqual(readouts.texts(wrong, 0, {}).held, "");
+    wrong.snapshot.bodies[1].flags |= 4;
+    wrong.ticks[wrong.ticks.length - 1].reason = 6;
+    assert.match(readouts.texts(wrong, 0, {}).held, /could not be moved: body 1\./);
+    assert.match(readouts.texts(wrong, 0, {}).reason, /^failed/);
     const left = frameMessage(0, snapshot(1, 0, [], 5));
     assert.match(readouts.texts(readMessage(alone(left)), 0, {}).left, /contacts, vertices/);
   });

@@ -200,8 +200,8 @@ static void compare_contact(struct deform_scene *scene, const dpt_world_def *def
     rig_step_to(&rigid.rig, pose);
     dpt_tool_get_hit(scene->rig.world, scene->rig.tool, &hit);
     dpt_tool_get_hit(rigid.rig.world, rigid.rig.tool, &truth);
-    const double sum = sum_overlap(scene->rig.world, scene->rig.tool);
-    const double true_sum = sum_overlap(rigid.rig.world, rigid.rig.tool);
+    const double sum = def->max_contacts ? sum_overlap(scene->rig.world, scene->rig.tool) : 0.0;
+    const double true_sum = def->max_contacts ? sum_overlap(rigid.rig.world, rigid.rig.tool) : 0.0;
     if (cuts_itself(&rigid.fixture) || (def->budget && !(hit.flags & DPT_HIT_FLAG_GAP))) {
         rig_close(&rigid.rig);
         fixture_free(&rigid.fixture);

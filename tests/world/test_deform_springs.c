@@ -60,7 +60,8 @@ static int open_cushion(struct cushion *cushion, uint32_t kind, uint32_t integra
     const dpt_result result =
         dpt_springs_create(cushion->block, dpt_springs_bytes(&springs), &springs, &cushion->springs);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
-    rig_add_tool(&cushion->scene.rig, &ball, 1);
+    /* With a proxy, tool and springs would be solved together. */
+    rig_set_law(&cushion->scene.rig, rig_add_tool(&cushion->scene.rig, &ball, 1), DPT_LAW_POINT, 500.0);
     cushion->nodes = dpt_springs_get_count(cushion->springs);
     cushion->is_embedded = kind == DPT_NET_VOLUME;
     cushion->report.size = sizeof cushion->report;

@@ -87,13 +87,15 @@ static void a_snapshot_stays_readable(void)
     CHECK(dpt_snapshot_get_tool(file, size, 0, &tool) == DPT_OK && tool.user == 22 && tool.law == DPT_LAW_PROXY &&
               tool.reason == DPT_FORCE_ACTS && tool.wrench.force[2] > 0.1 && tool.pose.position[2] == 0.041,
           "%g N", tool.wrench.force[2]);
+    CHECK(!memcmp(&tool.end, &tool.proxy, sizeof tool.end), "where a step ended was not told yet");
     CHECK(dpt_snapshot_get_segment(file, size, 0, &segment) == DPT_OK && segment.radius == 0.004 &&
               segment.body == body.id && segment.proxy_a[2] > segment.a[2],
           "segment");
     CHECK(dpt_snapshot_get_contact(file, size, 0, &contact) == DPT_OK && contact.body == body.id && contact.id,
           "contact");
     CHECK(dpt_snapshot_get_strip(file, size, info.strip - 1, &strip) == DPT_OK && strip.body == body.id, "strip");
-    CHECK(made == size && dpt_snapshot_get_tool(again, made, 0, &now) == DPT_OK, "%zu bytes, and %zu now", size, made);
+    CHECK(made == size + sizeof tool.end && dpt_snapshot_get_tool(again, made, 0, &now) == DPT_OK,
+          "%zu bytes, and %zu now", size, made);
     for (int k = 0; k < 3; k++)
         CHECK(fabs(now.wrench.force[k] - tool.wrench.force[k]) < 1e-6, "axis %d: %g N, and %g now", k,
               tool.wrench.force[k], now.wrench.force[k]);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A tool that stands still is not computed again, and nobody can tell but by its work. Two worlds get the same input; in one
- * of them a tool's settings are set again before every tick, to what they are, so that it never rests. Every answer must be
+ * of them settings are set again before every tick, to what they are: a tool's, so that it never rests, and a body's, so that
+ * its nearest pair is searched for again. Every answer must be
  * the same. It does not judge the answers themselves.
  *
  *     test_rest [PER CENT]   of the runs
@@ -315,6 +316,11 @@ static void compare_runs(const struct setting *setting, uint32_t mesh, uint64_t 
             for (uint32_t t = 0; r && t < runs[r].tools; t++) {
                 dpt_tool_get_settings(runs[r].rig.world, runs[r].tool[t], &own);
                 dpt_tool_set_settings(runs[r].rig.world, runs[r].tool[t], &own);
+            }
+            if (r) {
+                dpt_body_settings body = { .size = sizeof body };
+                dpt_body_get_settings(runs[r].rig.world, runs[r].body[0], &body);
+                dpt_body_set_settings(runs[r].rig.world, runs[r].body[0], &body);
             }
             runs[r].rig.step.size = sizeof runs[r].rig.step;
             CHECK(dpt_world_step(runs[r].rig.world, 1e-3, &runs[r].rig.step) == DPT_OK, "step");

@@ -201,6 +201,10 @@ static void contacts_tell_the_sides_of_sheets(void)
         }
         const uint32_t wanted = i % 2 || law == DPT_LAW_PROXY ? DPT_FORCE_ACTS : DPT_FORCE_UNDECIDED;
         CHECK(rig.force.reason == wanted, "law %u, %u contacts: reason %u", law, def.max_contacts, rig.force.reason);
+        uint32_t count = 7;
+        const dpt_result listed = dpt_tool_get_contacts(rig.world, rig.tool, NULL, 0, &count);
+        CHECK(listed == (i % 2 ? DPT_OK : DPT_E_FULL) && count == i % 2, "law %u, %u contacts: %s, %u", law,
+              def.max_contacts, dpt_result_name(listed), count);
         rig_close(&rig);
         fixture_free(&membrane);
     }

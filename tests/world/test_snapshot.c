@@ -244,7 +244,7 @@ static void readers_agree(const dpt_snapshot_info *info)
         dpt_snapshot_tool tool = { .size = sizeof tool };
         CHECK(dpt_snapshot_get_tool(block, bytes, i, &tool) == DPT_OK, "tool");
         SAME_WORDS(&tool, dpt_snapshot_tool, id, item(TOOLS, i, &count), 12);
-        SAME_NUMBERS(&tool, dpt_snapshot_tool, user, item(TOOLS, i, &count) + 48, 25);
+        SAME_NUMBERS(&tool, dpt_snapshot_tool, user, item(TOOLS, i, &count) + 48, 32);
     }
     for (uint32_t i = 0; i < info->segments; i++) {
         dpt_snapshot_segment segment = { .size = sizeof segment };

@@ -27,7 +27,7 @@ static dpt_result info(void *out)
 static const struct sized outputs[] = {
     { "dpt_snapshot_info", sizeof(dpt_snapshot_info), sizeof(dpt_snapshot_info), info },
     { "dpt_snapshot_body", sizeof(dpt_snapshot_body), sizeof(dpt_snapshot_body), body },
-    { "dpt_snapshot_tool", sizeof(dpt_snapshot_tool), sizeof(dpt_snapshot_tool), tool },
+    { "dpt_snapshot_tool", offsetof(dpt_snapshot_tool, end), sizeof(dpt_snapshot_tool), tool },
     { "dpt_snapshot_segment", sizeof(dpt_snapshot_segment), sizeof(dpt_snapshot_segment), segment },
     { "dpt_snapshot_contact", sizeof(dpt_snapshot_contact), sizeof(dpt_snapshot_contact), contact },
     { "dpt_snapshot_strip", sizeof(dpt_snapshot_strip), sizeof(dpt_snapshot_strip), strip },

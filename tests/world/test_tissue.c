@@ -36,13 +36,51 @@ static void a_still_device_is_silent(void)
         }
 }
 
-/* What the test above looks for is there without the solve: loads of the step before make a lying tool jump. */
+/* Loads that are spread over some edges of 12 mm, on a sheet of which that is a fifth, too. */
+static void spread_loads_are_silent(void)
+{
+    static const double leans[] = { 0.0, 0.6, 1.2, 1.5708 }, radii[] = { 0.015, 0.03 };
+    for (int kind = 0; kind < 2; kind++)
+        for (int i = 0; i < (int)part_of(24); i++) {
+            struct tissue tissue;
+            double mean;
+            tissue_begin(&tissue, i & 1 ? 2000.0 : 200.0, leans[i / 6]);
+            if (tissue_add(&tissue, kind ? DPT_NET_SHEET : DPT_NET_VOLUME, integrators[i % 3], radii[i / 3 % 2], 0.0)) {
+                const double jump = tissue_press_and_hold(&tissue, 0.006, &mean);
+                CHECK(mean > 1e-3, "case %d: it is not touched: %g N", i, mean);
+                CHECK(jump <= fmax(1e-3 * mean, 1e-4), "case %d: jumps of %g N at %g N", i, jump, mean);
+            }
+            tissue_close(&tissue);
+        }
+}
+
+/* Where the patch spans three edges, a sheet feels alike when its edges are halved. */
+static void a_finer_sheet_feels_alike(void)
+{
+    for (int lying = 0; lying < 2; lying++) {
+        double force[2] = { 0.0, 0.0 };
+        for (int fine = 0; fine < 2; fine++) {
+            struct tissue tissue;
+            tissue_begin_thin(&tissue, 500.0, 1.5708 * lying, 0.006);
+            tissue.triangles = fine ? 2048 : 512;
+            if (tissue_add(&tissue, DPT_NET_SHEET, DPT_INTEGRATOR_IMPLICIT, 0.04, 0.0))
+                tissue_press_and_hold(&tissue, 0.02, &force[fine]);
+            tissue_close(&tissue);
+        }
+        CHECK(force[0] > 0.05, "%g N", force[0]);
+        CHECK(fabs(force[1] - force[0]) <= 0.05 * force[0], "case %d: %g N, %g N on a finer mesh", lying, force[0],
+              force[1]);
+    }
+}
+
+/* What the tests above look for is there without the solve: loads of the step before make a lying tool jump. */
 static void loads_of_the_step_before_are_not_silent(void)
 {
     struct tissue tissue;
     double mean, jump = 0.0;
     tissue_begin(&tissue, 2000.0, 1.5708);
-    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1e-6, 0.0))
+    tissue.period = 1e-6;
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0))
         jump = tissue_press_and_hold(&tissue, 0.006, &mean);
     tissue_close(&tissue);
     CHECK(jump > 5e-3, "it jumps by no more than %g N", jump);
@@ -195,14 +233,14 @@ static void the_tool_ends_on_the_surface(void)
 }
 
 /* Springs of the same mesh, stepped by hand with the loads that are told, go where the body goes. */
-static void what_is_told_moves_the_tissue(void)
+static void told_loads_move_the_tissue(double load_radius)
 {
     struct tissue tissue;
     dpt_springs_def def;
     tissue_begin(&tissue, 800.0, 1.1);
     tissue.is_sleepless = 1;
-    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
-        enum { NODES = 4096, LOADS = 1024 };
+    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, load_radius, 0.0)) {
+        enum { NODES = 4096, LOADS = 4096 };
         static float mine[3 * NODES], theirs[3 * NODES];
         static dpt_load loads[LOADS];
         double off = 0.0;
@@ -231,18 +269,57 @@ static void what_is_told_moves_the_tissue(void)
     tissue_close(&tissue);
 }
 
-static void forces_sum_up_to_zero_with(uint32_t integrator)
+static void what_is_told_moves_the_tissue(void)
+{
+    told_loads_move_the_tissue(0.0);
+    told_loads_move_the_tissue(0.03);
+}
+
+static void copy_vertices(const struct tissue *tissue, float *to)
+{
+    const float *positions;
+    uint32_t count = 0;
+    dpt_body_get_vertices(tissue->rig.world, tissue->body[0], &positions, &count);
+    memcpy(to, positions, 3 * count * sizeof *to);
+}
+
+/* What the loads of the body, at the origin, sum up to; the torque about that. */
+static dpt_wrench sum_of_loads(const struct tissue *tissue, const float *vertices)
+{
+    static dpt_load loads[4096];
+    dpt_wrench sum = { { 0.0 }, { 0.0 } };
+    uint32_t count = 0;
+    const dpt_result result = dpt_body_get_loads(tissue->rig.world, tissue->body[0], loads, 4096, &count);
+    CHECK(result == DPT_OK, "%s", dpt_result_name(result));
+    for (uint32_t i = 0; i < count; i++) {
+        double at[3], torque[3];
+        for (int k = 0; k < 3; k++)
+            at[k] = (double)vertices[3 * loads[i].vertex + (uint32_t)k];
+        cross3(at, loads[i].force, torque);
+        for (int k = 0; k < 3; k++) {
+            sum.force[k] += loads[i].force[k];
+            sum.torque[k] += torque[k];
+        }
+    }
+    return sum;
+}
+
+/* By what the body's wrench says, and by its loads, where the vertices were in the tick. */
+static void forces_sum_up_to_zero_with(uint32_t integrator, double load_radius)
 {
     struct tissue tissue;
     tissue_begin(&tissue, 600.0, 1.3);
-    if (tissue_add(&tissue, DPT_NET_VOLUME, integrator, 0.0, 0.0)) {
+    if (tissue_add(&tissue, DPT_NET_VOLUME, integrator, load_radius, 0.0)) {
+        static float before[3 * 4096];
         double worst = 0.0, peak = 0.0;
+        tissue_roughen(&tissue, 0.4, 0.3);
         tissue_place(&tissue, -0.001);
         rig_place(&tissue.rig);
         for (int t = 0; t < 500; t++) {
             dpt_wrench on_body;
             double arm[3], torque[3];
             tissue_place(&tissue, 2e-5 * t - 0.001);
+            copy_vertices(&tissue, before);
             peak = fmax(peak, tissue_tick(&tissue));
             dpt_body_get_wrench(tissue.rig.world, tissue.body[0], &on_body);
             /* The body is at the origin; the tool's torque is about its own. */
@@ -253,6 +330,11 @@ static void forces_sum_up_to_zero_with(uint32_t integrator)
                 worst = fmax(worst, fabs(on_body.force[k] + tissue.wrench.force[k]));
                 worst = fmax(worst, fabs(on_body.torque[k] + tissue.wrench.torque[k] + torque[k]));
             }
+            const dpt_wrench sum = sum_of_loads(&tissue, before);
+            for (int k = 0; k < 3; k++) {
+                worst = fmax(worst, fabs(sum.force[k] + tissue.wrench.force[k]));
+                worst = fmax(worst, fabs(sum.torque[k] + tissue.wrench.torque[k] + torque[k]));
+            }
         }
         CHECK(peak > 0.1 && worst <= 1e-12 * peak, "off by %g N of %g N", worst, peak);
     }
@@ -262,7 +344,8 @@ static void forces_sum_up_to_zero_with(uint32_t integrator)
 static void forces_sum_up_to_zero(void)
 {
     for (int i = 0; i < INTEGRATORS; i++)
-        forces_sum_up_to_zero_with(integrators[i]);
+        for (int spread = 0; spread < 2; spread++)
+            forces_sum_up_to_zero_with(integrators[i], 0.03 * spread);
 }
 
 /* A tool across two bodies: one solve, in whatever order they are given; between them it feels twice what one gives. */
@@ -295,11 +378,11 @@ static void bodies_share_a_tool(void)
     CHECK(felt[2] < felt[0], "%g N on one, %g N on two", felt[2], felt[0]);
 }
 
-/* One body with IMPLICIT, one that needs several substeps: the same force, and all or nothing where a step fails. */
+/* One body with IMPLICIT, one that needs several substeps: the same force. Where one fails it is held, and the other goes on. */
 static void integrators_share_a_tool(void)
 {
     enum { NODES = 4096 };
-    static float before[3 * NODES], after[3 * NODES];
+    static float before[2][3 * NODES], after[3 * NODES];
     double felt[2] = { 0.0, 0.0 };
     for (int i = 0; i < 2; i++) {
         const uint32_t integrator = i ? DPT_INTEGRATOR_IMPLICIT : DPT_INTEGRATOR_SYMPLECTIC;
@@ -315,13 +398,19 @@ static void integrators_share_a_tool(void)
             CHECK(jump <= 1e-3 * felt[i], "case %d: jumps of %g N at %g N", i, jump, felt[i]);
             CHECK(tissue.info[0].substeps > 1 && tissue.info[0].substeps == tissue.info[1].substeps, "%u substeps",
                   tissue.info[0].substeps);
-            dpt_springs_get_nodes(tissue.springs[0], nodes, before, NULL);
+            CHECK(nodes <= NODES && nodes == dpt_springs_get_count(tissue.springs[1]), "%u nodes", nodes);
             dpt_springs_set_nodes(tissue.springs[1], nodes / 2, 1, far, fast);
+            for (int b = 0; b < 2; b++)
+                dpt_springs_get_nodes(tissue.springs[b], nodes, before[b], NULL);
+            tissue.rig.device.position[2] -= 1e-4;
             rig_step(&tissue.rig);
             CHECK(dpt_bodies_step_springs(tissue.rig.world, tissue.body, tissue.springs, 2, 4e-3, NULL) == DPT_E_FINITE,
                   "case %d: the step is taken", i);
-            dpt_springs_get_nodes(tissue.springs[0], nodes, after, NULL);
-            CHECK(nodes <= NODES && !memcmp(before, after, 3 * nodes * sizeof *after), "case %d: nodes have moved", i);
+            for (int b = 0; b < 2; b++) {
+                dpt_springs_get_nodes(tissue.springs[b], nodes, after, NULL);
+                const int is_held = !memcmp(before[b], after, 3 * nodes * sizeof *after);
+                CHECK(is_held == b, "case %d: body %d %s", i, b, is_held ? "is held" : "goes on");
+            }
         }
         tissue_close(&tissue);
     }
@@ -457,6 +546,8 @@ int main(int argc, char **argv)
 {
     take_percent(argc, argv);
     TEST(a_still_device_is_silent);
+    TEST(spread_loads_are_silent);
+    TEST(a_finer_sheet_feels_alike);
     TEST(loads_of_the_step_before_are_not_silent);
     TEST(integrators_end_at_one_force);
     TEST(implicit_tissue_gains_what_tools_do);

@@ -171,7 +171,7 @@ static void a_trial_stops_at_the_first_touch(void)
  */
 static void nothing_in_the_way_of_a_turn_is_missed(void)
 {
-    enum { MOTIONS = 4000 };
+    const int motions = (int)part_of(4000);
     static const double corners[9] = { 1e-3, 0, 0, -5e-4, 8e-4, 0, -5e-4, -8e-4, 0 };
     static const uint32_t triangle[3] = { 0, 1, 2 };
     uint64_t random = 5;
@@ -182,7 +182,7 @@ static void nothing_in_the_way_of_a_turn_is_missed(void)
     CHECK(dpt_compile_arrays(corners, 3, triangle, 1, NULL, &file, NULL) == DPT_OK &&
               dpt_mesh_open(file.bytes, file.size, &mesh) == DPT_OK,
           "the speck");
-    for (int i = 0; i < MOTIONS; i++) {
+    for (int i = 0; i < motions; i++) {
         const double part = random_in(&random, 0.0, 1.0), s = random_in(&random, 0.0, 1.0);
         const double jump = i % 3 ? 0.0 : i % 2 ? 0.02 : 0.3;
         const dpt_segment axis = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.15 }, 0.0 };
@@ -207,7 +207,7 @@ static void nothing_in_the_way_of_a_turn_is_missed(void)
         late += first.time > part - 0.05;
         rig_close(&rig);
     }
-    CHECK(late > MOTIONS / 2, "%u were met about there", late);
+    CHECK(late > (uint32_t)motions / 2, "%u were met about there", late);
     dpt_compiled_free(&file);
 }
 
@@ -336,8 +336,9 @@ static void what_cannot_be_tried(void)
     rig_close(&of.rig);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     static const struct {
         const char *name;
         uint64_t triangles;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tissue_brute.h"
 
+#include "world/tissue_nearest.h"
+#include "world/tissue_patch.h"
+
 /* The share of a missing gap that is made good in a substep. */
 #define RECOVERED 0.2
 
@@ -31,57 +34,14 @@ void brute_close(struct brute *brute)
 
 /* ---- pairs ---- */
 
-static void nearest_on_triangle(const double p[3], double v[3][3], double q[3])
-{
-    double e[3], f[3], w[3], best = HUGE_VAL;
-    for (int k = 0; k < 3; k++) {
-        e[k] = v[1][k] - v[0][k];
-        f[k] = v[2][k] - v[0][k];
-        w[k] = p[k] - v[0][k];
-    }
-    const double ee = dot3(e, e), ef = dot3(e, f), ff = dot3(f, f), we = dot3(w, e), wf = dot3(w, f);
-    const double area = ee * ff - ef * ef, s = (ff * we - ef * wf) / area, t = (ee * wf - ef * we) / area;
-    if (s >= 0.0 && t >= 0.0 && s + t <= 1.0) {
-        for (int k = 0; k < 3; k++)
-            q[k] = v[0][k] + s * e[k] + t * f[k];
-        return;
-    }
-    for (int i = 0; i < 3; i++) {
-        const double *a = v[i], *b = v[(i + 1) % 3];
-        const double d[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] },
-                     to[3] = { p[0] - a[0], p[1] - a[1], p[2] - a[2] };
-        const double along = fmin(fmax(dot3(to, d) / dot3(d, d), 0.0), 1.0);
-        const double at[3] = { a[0] + along * d[0], a[1] + along * d[1], a[2] + along * d[2] };
-        if (apart(at, p) < best) {
-            best = apart(at, p);
-            memcpy(q, at, sizeof at);
-        }
-    }
-}
-
-/* The nearest points of two segments, by leading one and the other there in turn. Returns whether both are inside theirs. */
-static int nearest_of_segments(const double *a, const double *b, const double *c, const double *d, double p[3],
-                               double q[3])
-{
-    const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, v[3] = { d[0] - c[0], d[1] - c[1], d[2] - c[2] };
-    const double w[3] = { a[0] - c[0], a[1] - c[1], a[2] - c[2] };
-    const double uu = dot3(u, u), uv = dot3(u, v), vv = dot3(v, v), uw = dot3(u, w), vw = dot3(v, w);
-    const double across = uu * vv - uv * uv;
-    double s = across > 1e-14 * uu * vv ? (uv * vw - vv * uw) / across : 0.5;
-    double t = fmin(fmax((vw + s * uv) / vv, 0.0), 1.0);
-    s = (t * uv - uw) / uu;
-    for (int k = 0; k < 3; k++) {
-        p[k] = a[k] + s * u[k];
-        q[k] = c[k] + t * v[k];
-    }
-    return s > 0.0 && s < 1.0;
-}
-
 static void add_node(struct brute_pair *pair, uint32_t node, double weight)
 {
     uint32_t i = 0;
     while (i < pair->count && pair->node[i] != node)
         i++;
+    CHECK(i < BRUTE_NODES, "too many nodes");
+    if (i == BRUTE_NODES)
+        return;
     if (i == pair->count) {
         pair->node[i] = node;
         pair->weight[pair->count++] = 0.0;
@@ -89,35 +49,45 @@ static void add_node(struct brute_pair *pair, uint32_t node, double weight)
     pair->weight[i] += weight;
 }
 
-/* Corners' weights at q, which is in the plane of the triangle, by areas. */
-static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+static void add_vertex(const struct brute *brute, struct brute_pair *pair, uint32_t vertex, double weight)
 {
-    const struct tissue_body *body = &brute->tissue->body[pair->body];
     const uint32_t *nodes;
     const float *weights;
     uint32_t node_count;
-    double normal[3], e[3], f[3];
+    dpt_mesh_get_embedding(brute->tissue->body[pair->body].mesh.mesh, &nodes, &weights, &node_count);
+    if (!nodes)
+        add_node(pair, vertex, weight);
+    for (uint32_t m = 4 * vertex; nodes && m < 4 * vertex + 4; m++)
+        add_node(pair, nodes[m], weight * (double)weights[m]);
+}
+
+/* Corners' weights at q, which is in the plane of the triangle, by areas. */
+static void take_corners(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+{
+    double normal[3], part[3];
+    area_of(v[0], v[1], v[2], normal);
+    for (int i = 0; i < 3; i++) {
+        area_of(pair->q, v[(i + 1) % 3], v[(i + 2) % 3], part);
+        add_vertex(brute, pair, corners[i], dot3(part, normal) / dot3(normal, normal));
+    }
+}
+
+static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+{
+    const struct tissue_body *body = &brute->tissue->body[pair->body];
+    uint32_t vertices = 0;
     if (!body->springs)
         return;
-    dpt_mesh_get_embedding(body->mesh.mesh, &nodes, &weights, &node_count);
-    for (int k = 0; k < 3; k++) {
-        e[k] = v[1][k] - v[0][k];
-        f[k] = v[2][k] - v[0][k];
+    tissue_vertices(brute->tissue, body, &vertices);
+    const struct patch_vertex *patch =
+        body->load_radius > 0.0 ? patch_at(brute->tissue, body, pair->q, pair->n, corners) : NULL;
+    if (!patch) {
+        take_corners(brute, pair, corners, v);
+        return;
     }
-    cross3(e, f, normal);
-    for (int i = 0; i < 3; i++) {
-        double part[3];
-        for (int k = 0; k < 3; k++) {
-            e[k] = v[(i + 1) % 3][k] - pair->q[k];
-            f[k] = v[(i + 2) % 3][k] - pair->q[k];
-        }
-        cross3(e, f, part);
-        const double weight = dot3(part, normal) / dot3(normal, normal);
-        if (!nodes)
-            add_node(pair, corners[i], weight);
-        for (uint32_t m = 4 * corners[i]; nodes && m < 4 * corners[i] + 4; m++)
-            add_node(pair, nodes[m], weight * (double)weights[m]);
-    }
+    for (uint32_t i = 0; i < vertices; i++)
+        if (patch[i].is_in)
+            add_vertex(brute, pair, i, patch[i].weight);
 }
 
 /* p on the tool, q on the triangle, both in the world. */
@@ -276,6 +246,23 @@ static double response_of(const struct tissue_body *body, uint32_t node, double 
     return mass > 0.0 ? h * h / (mass * (1.0 + h * (double)net.drag[node])) : 0.0;
 }
 
+/*
+ * m/N: how the body's own surface yields at one pair to a push of another of the same tool: less with distance, and not
+ * beyond the tool's thickness.
+ */
+static double yield_of(const struct brute *brute, const struct brute_pair *a, const struct brute_pair *b)
+{
+    const double thickness = 2.0 * brute->tissue->tool[a->tool].segment.radius;
+    dpt_body_settings settings = { .size = sizeof settings };
+    if (a->tool != b->tool || a->body != b->body)
+        return 0.0;
+    dpt_body_get_settings(brute->tissue->rig.world, brute->tissue->body[a->body].id, &settings);
+    if (!(settings.stiffness > 0.0))
+        return 0.0;
+    const double near = fmax(1.0 - apart(a->q, b->q) / thickness, 0.0);
+    return near * near * dot3(a->n, b->n) / settings.stiffness;
+}
+
 static void make_matrix(struct brute *brute, double h)
 {
     brute->loosest = 0.0;
@@ -296,6 +283,7 @@ static void make_matrix(struct brute *brute, double h)
                         sum += a->weight[k] * b->weight[m] * a->response[k] * dot3(a->n, b->n);
             if (a->tool == b->tool)
                 sum += brute_product(a->row, b->row) / brute->tissue->tool[a->tool].stiffness;
+            sum += yield_of(brute, a, b);
             brute->matrix[i][j] = sum;
         }
 }
@@ -526,14 +514,16 @@ static void push_tool(struct brute *brute, const struct brute_pair *pair, double
 
 /*
  * What a substep asks of each pair: with the tool where the last substep ended, and the surface before its loads act, less
- * than no gap may be left, by four fifths.
+ * than no gap may be left, by four fifths. What the surface itself yields is no part of it.
  */
 static void find_least_gaps(struct brute *brute)
 {
     for (uint32_t i = 0; i < brute->count; i++) {
         struct brute_pair *pair = &brute->pair[i];
-        const double now = pair->gap + brute_product(pair->row, brute->way[pair->tool]) -
-                           brute_surface_motion(pair, brute->begin, brute->end);
+        double now = pair->gap + brute_product(pair->row, brute->way[pair->tool]) -
+                     brute_surface_motion(pair, brute->begin, brute->end);
+        for (uint32_t k = 0; k < brute->count; k++)
+            now += brute->pair[k].push > 0.0 ? brute->pair[k].push * yield_of(brute, pair, &brute->pair[k]) : 0.0;
         pair->least = (1.0 - RECOVERED) * fmin(now, 0.0);
     }
 }

@@ -5,6 +5,9 @@
  * the pairs that push meet all conditions. It shares no code with the library's solve. Where nodes go without tools, and
  * with the loads that it finds, is asked of the library's springs, stepped in their own memory, which is put back.
  *
+ * Where loads are spread, a touch feels the patch, and what its own point rises by beyond that only later: brute_solve_tick is
+ * for ticks in which there is nothing of that.
+ *
  * It cannot judge a tool that reaches no soft body: the library does not solve for that.
  */
 #ifndef DPT_TESTS_TISSUE_BRUTE_H
@@ -13,7 +16,7 @@
 #include "oracle/hull.h"
 #include "world/tissue_rig.h"
 
-enum { BRUTE_PAIRS = 384, BRUTE_NODES = 12, BRUTE_ROOM = 3 * 4096 };
+enum { BRUTE_PAIRS = 384, BRUTE_NODES = 192, BRUTE_ROOM = 3 * 4096 };
 
 /* m: pairs are as near to the proxy as that. */
 #define BRUTE_NEAR 5e-4

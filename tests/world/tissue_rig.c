@@ -7,8 +7,15 @@
 
 void tissue_rig_open(struct tissue_rig *tissue)
 {
+    tissue_rig_open_within(tissue, 0);
+}
+
+void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget)
+{
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
+    def.budget = budget;
     memset(tissue, 0, sizeof *tissue);
-    rig_open(&tissue->rig, NULL, NULL, NULL, 0);
+    rig_open(&tissue->rig, &def, NULL, NULL, 0);
 }
 
 void tissue_rig_close(struct tissue_rig *tissue)
@@ -57,7 +64,7 @@ static struct tissue_body *add_mesh(struct tissue_rig *tissue, const struct tiss
                                      .viscosity = def->viscosity,
                                      .spacing = is_sheet ? 0.0 : def->spacing,
                                      .regions = is_sheet ? border : &below,
-                                     .region_count = is_sheet ? 4 : 1 };
+                                     .region_count = is_sheet ? 4 : def->floor > -1.0 ? 1 : 0 };
     dpt_mesh_info info = { .size = sizeof info };
     memcpy(body->place, def->place, sizeof body->place);
     if (!fixture_with_springs(&body->mesh, def->shape, def->triangles, &net))
@@ -87,6 +94,7 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     deform.mesh = springs.mesh = body->mesh.mesh;
     deform.pose = &pose;
     deform.max_points = 64;
+    deform.load_radius = def->load_radius;
     for (int k = 0; k < 3; k++) {
         deform.box_min[k] = -1.0;
         deform.box_max[k] = 1.0;
@@ -105,6 +113,7 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     body->block = tissue->rig.block_count - 1;
     body->bytes = dpt_springs_bytes(&springs);
     body->integrator = def->integrator;
+    body->load_radius = def->load_radius;
     return body->id && body->springs ? body : NULL;
 }
 

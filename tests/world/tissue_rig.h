@@ -23,11 +23,12 @@ struct tissue_def {
     const char *shape; /* of `dynpoint make`: a sheet where it is the membrane, whose border is fixed; else a lattice */
     uint64_t triangles;
     double young, density, drag, viscosity;
-    double spacing;   /* of a lattice, m */
-    double floor;     /* of a lattice: what is below that z is fixed */
-    double place[3];  /* of the body */
-    double stiffness; /* what springs are multiplied by; 0: 1 */
-    double step;      /* s: springs are as stiff as one substep of that length allows; 0: as stiff as `young` says */
+    double spacing;     /* of a lattice, m */
+    double floor;       /* of a lattice: what is below that z is fixed; -1: nothing is */
+    double place[3];    /* of the body */
+    double stiffness;   /* what springs are multiplied by; 0: 1 */
+    double load_radius; /* m: over which loads are spread; 0: they are not */
+    double step;        /* s: springs are as stiff as one substep of that length allows; 0: as stiff as `young` says */
     uint32_t integrator;
     int sleeps;
 };
@@ -40,6 +41,7 @@ struct tissue_body {
     size_t bytes;
     double place[3];
     double top; /* of the mesh at rest, along z */
+    double load_radius;
     uint32_t integrator;
 };
 
@@ -62,6 +64,7 @@ struct tissue_rig {
 };
 
 void tissue_rig_open(struct tissue_rig *tissue);
+void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget);
 void tissue_rig_close(struct tissue_rig *tissue);
 
 /* A ball of springs of 0.1 m, whose lower part is fixed, as soft as a liver; a membrane. */

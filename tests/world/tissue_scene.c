@@ -5,15 +5,18 @@
 
 enum { HOLD = 1200, LOOKED_AT = 300 };
 
-static int make_mesh(struct fixture *fixture, uint32_t kind, double damping)
+static int make_mesh(const struct tissue *tissue, struct fixture *fixture, uint32_t kind)
 {
     const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, -0.02 } };
-    const dpt_spring_region border[2] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.09, 1, 1 } },
-                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.09, -1, -1, 1, 1, 1 } } };
+    const dpt_spring_region border[2] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.099, 1, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.099, -1, -1, 1, 1, 1 } } };
     const int is_sheet = kind == DPT_NET_SHEET;
+    const double damping = tissue->is_undamped ? 0.0 : 1.0;
     const dpt_spring_net_def net = { .size = sizeof net,
                                      .kind = kind,
-                                     .young = is_sheet ? 1e5 : 2e4,
+                                     .young = tissue->young > 0.0 ? tissue->young
+                                              : is_sheet          ? 1e5
+                                                                  : 2e4,
                                      .thickness = is_sheet ? 1e-3 : 0.0,
                                      .density = 1000.0,
                                      .drag = 5.0 * damping,
@@ -21,7 +24,8 @@ static int make_mesh(struct fixture *fixture, uint32_t kind, double damping)
                                      .spacing = is_sheet ? 0.0 : 0.02,
                                      .regions = is_sheet ? border : &below,
                                      .region_count = is_sheet ? 2 : 1 };
-    return fixture_with_springs(fixture, is_sheet ? "membrane" : "sphere", 512, &net);
+    return fixture_with_springs(fixture, is_sheet ? "membrane" : "sphere", tissue->triangles ? tissue->triangles : 512,
+                                &net);
 }
 
 int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double load_radius, double x)
@@ -34,11 +38,12 @@ int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double
     pose.position[0] = x;
     dpt_deformable_def_init(&deform);
     dpt_springs_def_init(&springs);
-    if (!make_mesh(&tissue->mesh[i], kind, tissue->is_undamped ? 0.0 : 1.0))
+    if (!make_mesh(tissue, &tissue->mesh[i], kind))
         return 0;
     deform.mesh = springs.mesh = tissue->mesh[i].mesh;
     deform.pose = &pose;
     deform.load_radius = load_radius;
+    deform.period = tissue->period;
     deform.max_points = 64;
     springs.integrator = integrator;
     springs.sleep_speed = tissue->is_sleepless ? 0.0 : springs.sleep_speed;
@@ -80,6 +85,16 @@ void tissue_roughen(struct tissue *tissue, double static_friction, double kineti
         settings.static_friction = static_friction;
         settings.kinetic_friction = kinetic_friction;
         CHECK(dpt_body_set_settings(tissue->rig.world, tissue->body[i], &settings) == DPT_OK, "not rough");
+    }
+}
+
+void tissue_soften(struct tissue *tissue, double stiffness)
+{
+    for (uint32_t i = 0; i < tissue->count; i++) {
+        dpt_body_settings settings = { .size = sizeof settings };
+        dpt_body_get_settings(tissue->rig.world, tissue->body[i], &settings);
+        settings.stiffness = stiffness;
+        CHECK(dpt_body_set_settings(tissue->rig.world, tissue->body[i], &settings) == DPT_OK, "not soft");
     }
 }
 

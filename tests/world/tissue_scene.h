@@ -29,6 +29,9 @@ struct tissue {
     double top;                    /* of the bodies at rest, along z */
     double radius;                 /* of the tool */
     int is_sleepless, is_undamped; /* set before bodies are added */
+    uint64_t triangles;            /* of bodies, likewise; 0: 512 */
+    double young;                  /* Pa, likewise; 0: as soft as a liver, or a sheet of rubber */
+    double period;                 /* s, of the bodies, likewise: above 0 the forces of the step before move them */
     dpt_wrench wrench;             /* of the last tick */
     dpt_force_info force;
 };
@@ -38,13 +41,16 @@ void tissue_begin(struct tissue *tissue, double stiffness, double lean);
 void tissue_begin_thin(struct tissue *tissue, double stiffness, double lean, double radius);
 
 /*
- * A ball of springs of 0.1 m, or a membrane, whose lower part or border is fixed, at x. load_radius above 0: the tool's
- * forces of the step before move it. Returns 0 after a failed check.
+ * A ball of springs of 0.1 m, or a membrane, whose lower part or border is fixed, at x. Returns 0 after a failed
+ * check.
  */
 int tissue_add(struct tissue *tissue, uint32_t kind, uint32_t integrator, double load_radius, double x);
 
 /* Bodies are rough from now on. */
 void tissue_roughen(struct tissue *tissue, double static_friction, double kinetic_friction);
+
+/* Their own surfaces yield by so many N/m from now on. */
+void tissue_soften(struct tissue *tissue, double stiffness);
 
 void tissue_close(struct tissue *tissue);
 

@@ -223,16 +223,20 @@ int command_force_test(int argc, char **argv)
     const char *path;
     void *bytes;
     int json = 0, is_broken = 0;
+    dpt_result failure = DPT_OK;
     const int status = take_settings(argc, argv, &def, &path, &json);
     if (status >= 0)
         return status;
     def.mesh = load_mesh("force-test", path, &bytes);
     if (!def.mesh)
         return 2;
+    def.failure = &failure;
     const int is_done = force_trial_push(&def, &report.push) && force_trial_through(&def, &report.through) &&
                         force_trial_delay(&def, &report.delay) && force_trial_inside(&def, &report.inside) &&
                         force_trial_paths(&def, &report.paths);
     free(bytes);
+    if (failure != DPT_OK)
+        return complain("force-test", "%s: a tick failed: %s", path, dpt_result_text(failure));
     if (!is_done)
         return complain("force-test", "%s: memory ran out, or no triangle to push at", path);
     if (!report.push.ticks)

@@ -131,19 +131,30 @@ static void limit_wrench(dpt_guard *guard, uint64_t row, double dt, struct repla
     dpt_guard_step(guard, now, &command, tick->hit.status != DPT_STATUS_STALE, &tick->wrench);
 }
 
-static void run_pass(struct stage *stage, struct replay_settings *settings, struct replayed *replayed, int is_first)
+/* Returns 0, or 2 after a message: what follows a row that failed would be another motion. */
+static int check_row(const struct csv_table *trace, size_t row, dpt_result result)
+{
+    return result == DPT_OK
+               ? 0
+               : complain("replay", "row %zu of %zu could not be felt: %s", row, trace->rows, dpt_result_text(result));
+}
+
+static int run_pass(struct stage *stage, struct replay_settings *settings, struct replayed *replayed, int is_first)
 {
     struct meter meter = { .began = 0 };
     dpt_guard guard = { .size = sizeof guard };
     dpt_guard_init(&guard, NULL);
-    dpt_world_reset(stage->world);
-    for (size_t i = 0; i < replayed->trace->rows; i++) {
+    dpt_result result = dpt_world_reset(stage->world);
+    int status = 0;
+    for (size_t i = 0; status == 0 && i < replayed->trace->rows; i++) {
         if (i % 256 == 0)
             meter_show(&meter, "replay", (double)i / (double)replayed->trace->rows);
         struct replayed_tick *tick = &replayed->ticks[i];
-        replay_tool_place(&settings->tool, replayed->trace, i, stage->world, stage->tool);
+        if (result == DPT_OK)
+            result = replay_tool_place(&settings->tool, replayed->trace, i, stage->world, stage->tool);
         const uint64_t begin = clock_now();
-        dpt_world_step(stage->world, settings->dt, NULL);
+        if (result == DPT_OK)
+            result = dpt_world_step(stage->world, settings->dt, NULL);
         double ns = (double)(clock_now() - begin);
         tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
         tick->hit.size = sizeof tick->hit;
@@ -159,8 +170,12 @@ static void run_pass(struct stage *stage, struct replay_settings *settings, stru
         if (settings->limit)
             limit_wrench(&guard, i, settings->dt, tick);
         dpt_tool_get_strip(stage->world, stage->tool, 0, NULL, 0, &tick->strip_triangles, &tick->strip_flags);
+        if (curved_tips_have_failed(&settings->tool.curved))
+            result = DPT_E_LIMIT;
+        status = check_row(replayed->trace, i, result);
     }
     meter_show(&meter, "", 1.0);
+    return status;
 }
 
 static int compare(struct replay_settings *settings, const dpt_mesh *mesh, struct replayed *replayed)
@@ -180,9 +195,11 @@ static int compare(struct replay_settings *settings, const dpt_mesh *mesh, struc
         dpt_hit hit = DPT_HIT_INIT;
         if (against->ticks % 64 == 0)
             meter_show(&meter, "compare", (double)i / (double)trace->rows);
-        replay_tool_place(&settings->tool, trace, i, stage.world, stage.tool);
+        dpt_result result = replay_tool_place(&settings->tool, trace, i, stage.world, stage.tool);
         const uint64_t begin = clock_now();
-        dpt_world_step(stage.world, settings->dt, NULL);
+        if (result == DPT_OK)
+            result = dpt_world_step(stage.world, settings->dt, NULL);
+        status = check_row(trace, i, result);
         ns[against->ticks++] = (double)(clock_now() - begin);
         dpt_tool_get_hit(stage.world, stage.tool, &hit);
         double error = fabs(hit.distance - replayed->ticks[i].hit.distance);
@@ -254,11 +271,11 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
         replayed.world_bytes = stage.bytes;
         replayed.kernel = used.kernel;
         replayed.method = methods[settings->def.method];
-        for (uint64_t pass = 0; pass < settings->repeat; pass++)
-            run_pass(&stage, settings, &replayed, pass == 0);
+        for (uint64_t pass = 0; status == 0 && pass < settings->repeat; pass++)
+            status = run_pass(&stage, settings, &replayed, pass == 0);
         replayed.curved = &settings->tool.curved;
         replayed.tip_error = replay_tool_error(&settings->tool);
-        if (settings->against >= 0)
+        if (status == 0 && settings->against >= 0)
             status = compare(settings, mesh, &replayed);
     }
     if (status == 0)

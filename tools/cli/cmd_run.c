@@ -15,7 +15,7 @@
 #include "record/run_record.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
-#include "scene/scene.h"
+#include "scene/scene_trouble.h"
 #include "view/run_view.h"
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
@@ -32,6 +32,8 @@
 struct session {
     struct scene scene;
     uint64_t contacts, penetrating, unknown, clutched;
+    struct scene_trouble trouble;
+    char wrong[SCENE_TROUBLE_BYTES]; /* its text, after the run */
     struct run_puts puts;
     dpt_coupling coupling;
     uint32_t budget;
@@ -51,8 +53,8 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     run_record_begin(&session->recording);
     run_view_begin(session->view);
     dpt_result result = scene_feel(&session->scene, sample, wrench);
-    if (result == DPT_OK)
-        run_view_tick(session->view, &session->scene, sample);
+    if (scene_trouble_note(&session->trouble, &session->scene, sample, result) || result == DPT_OK)
+        run_view_tick(session->view, &session->scene, sample, result);
     run_record_tick(&session->recording, &session->scene, sample, result, wrench);
     session->clutched += (uint64_t)session->scene.is_clutched;
     if (result != DPT_OK)
@@ -186,6 +188,7 @@ static void print_json(const struct session *session, const dpt_loop_stats *s, c
         printf(",\"%s_us\":{\"median\":%.1f,\"p99\":%.1f,\"max\":%.1f}", times[i].name,
                1e6 * dpt_loop_quantile(times[i].bins, 0.5), 1e6 * dpt_loop_quantile(times[i].bins, 0.99),
                1e6 * times[i].max);
+    printf(",\"held\":%" PRIu64 ",\"trouble\":\"%s\"", session->scene.bodies.held, session->wrong);
     run_view_print(&session->viewed, 1);
     printf(",\"real_time\":%s,\"locked\":%s,\"budget\":%" PRIu32 "}\n",
            s->notes & DPT_LOOP_NOTE_NO_PRIORITY ? "false" : "true", s->notes & DPT_LOOP_NOTE_NO_LOCK ? "false" : "true",
@@ -200,9 +203,11 @@ static void print_times(const char *what, const uint64_t *bins, double max)
 
 static void print_report(const struct session *session, const dpt_loop_stats *s, const dpt_device_counts *counts)
 {
+    if (session->wrong[0])
+        puts(session->wrong);
     printf("%" PRIu64 " ticks: %" PRIu64 " with a fresh sample, %" PRIu64 " without, %" PRIu64 " not ready, %" PRIu64
            " lost\n",
-           s->ticks, s->fresh + s->failed, s->stale, s->not_ready, s->lost);
+           s->ticks, s->fresh + s->failed - session->trouble.failed, s->stale, s->not_ready, s->lost);
     if (session->reasons) {
         fputs("  not ready:", stdout);
         for (uint32_t left = session->reasons; left; left &= left - 1)
@@ -380,10 +385,13 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     if ((status = closed) == 0 && settings->embeds)
         status = recording_embed_write(&settings->embed, settings->record);
     dpt_device_get_counts(device, &counts);
+    const int is_wrong = scene_trouble_text(&session->trouble, &session->scene, session->wrong);
     (settings->json ? print_json : print_report)(session, &stats, &counts);
+    if (is_wrong)
+        status = complain("run", "%s", session->wrong);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
-    return run_is_traced(settings) ? run_trace_write(&session->trace) : status;
+    return run_is_traced(settings) && run_trace_write(&session->trace) ? 2 : status;
 }
 
 /* Returns 0, or 2 after a message. */

@@ -15,7 +15,7 @@ static const char help[] =
     "point, and a proxy of one point as other toolkits have it. Each case says what was measured and what\n"
     "is allowed. docs/stability.md has the results. Exit status 1 if the proxy breaks a limit.\n"
     "\n"
-    "  CASE         some of them; default: all but those that run only where they are named\n"
+    "  CASE         some of them; default: 35 cases, all but hum, which runs only where it is named\n"
     "  --list       the cases' names and titles\n"
     "  --effort E   share of the places and ticks, above 0, at most 1; default 1\n"
     "  --json       one JSON object a line for each case, with the points of its charts\n";

@@ -86,11 +86,11 @@ static int show(const struct view_settings *settings, const struct view_stream *
 static int show_recording(const struct view_settings *settings)
 {
     struct view_stream stream = { .count = 0 };
-    int status = view_recording(&stream, &settings->files);
+    int is_wrong = 0, status = view_recording(&stream, &settings->files, &is_wrong);
     if (status == 0)
         status = show(settings, &stream);
     view_stream_free(&stream);
-    return status;
+    return status == 0 && is_wrong ? 2 : status;
 }
 
 static const char *name_of(const char *path)

@@ -32,7 +32,8 @@ static void print_help(void)
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         printf("  %-11s %s\n", commands[i].name, commands[i].what);
     puts("\ndynpoint COMMAND --help tells more; dynpoint --version tells the version.\n"
-         "Exit status: 0 done, 1 done and the answer is no, 2 usage, input or system error.");
+         "Exit status: 0 done, 1 done and the answer is no, 2 usage, input or system error, or ticks\n"
+         "went wrong (docs/index.md).");
 }
 
 static int run(int argc, char **argv)

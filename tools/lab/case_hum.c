@@ -7,6 +7,7 @@
 
 #include "base/vec3.h"
 #include "lab/hand_loop.h"
+#include "lab/hum_limits.h"
 #include "lab/hum_trial.h"
 #include "lab/lab.h"
 #include "measure/hum.h"
@@ -15,12 +16,6 @@
 /* Levels of each factor, and the scene's own. */
 enum { LEVELS = 3, OWN = 3, ROWS = 20, STILL = 800, STILL_FEW = 500 };
 
-#define HUM_SHARE   1e-3 /* of the mean force: what may hum, or else */
-#define HUM_MIN     5e-4 /* N */
-#define STILL_JUMP  1e-3 /* N: 99 % of jumps while the device stands still */
-#define GAIN        1.5  /* of K times the motion, that a jump may have, and beside it */
-#define MOVED_JUMP  2e-3 /* N: 99 % of jumps */
-#define MOVED_MOST  2e-2 /* N: every jump that no flag explains */
 #define SLIP_SHARE  0.05 /* of the force: each jump of a contact that slips */
 #define FORCE_MIN   1e-3 /* N: less is no contact */
 #define EXPLAINED   5e-3 /* of the ticks: those whose jump a flag explains */
@@ -115,23 +110,23 @@ static void judge_motion(const struct hum_trial *trial, double *beyond, struct a
     size_t count = 0, explained = 0, unexplained = 0;
     for (size_t i = trial->judged + 1; i < trial->count; i++) {
         const struct hum_tick *tick = &trial->tick[i];
-        const double jump = jump_of(tick), over = jump - GAIN * trial->stiffness * tick->motion;
+        const double jump = jump_of(tick), over = jump - HUM_JUMP_GAIN * trial->stiffness * tick->motion;
         const double force = fmax(length(vec3_of(tick->force)), length(vec3_of(tick[-1].force)));
         const int has_flag = ((tick->flags | tick[-1].flags) & EXPLAINING) != 0;
         if (tick->slipping || tick[-1].slipping) {
-            const double moved = GAIN * trial->stiffness * tick->motion + MOVED_JUMP;
+            const double moved = HUM_JUMP_GAIN * trial->stiffness * tick->motion + HUM_JUMP_MOVED;
             const double allowed = fmax(moved, SLIP_SHARE * force) + (tick[-1].slipping ? 0.0 : onset * force);
             explained += has_flag && jump > allowed;
             answer->slip_share = fmax(answer->slip_share, has_flag ? 0.0 : jump / allowed);
         } else {
             beyond[count++] = over;
-            explained += has_flag && over > MOVED_MOST;
-            unexplained += !has_flag && over > MOVED_MOST;
+            explained += has_flag && over > HUM_JUMP_MOST;
+            unexplained += !has_flag && over > HUM_JUMP_MOST;
         }
     }
     answer->unexplained = (double)unexplained;
     answer->explained = (double)explained / (double)(trial->count - trial->judged + 1);
-    answer->moved_share = fmax(judgement_spread_of(beyond, count).p99 / MOVED_JUMP, 0.0);
+    answer->moved_share = fmax(judgement_spread_of(beyond, count).p99 / HUM_JUMP_MOVED, 0.0);
 }
 
 static void judge(struct lab *lab, const struct hum_trial *trial, struct answer *answer)
@@ -151,8 +146,8 @@ static void judge(struct lab *lab, const struct hum_trial *trial, struct answer 
         lab->is_out_of_memory = 1;
     answer->jump = judgement_spread_of(jumps, count > 0 ? count - 1 : 0);
     if (trial->hand == HUM_STILL) {
-        answer->hum_share = answer->hum.rms / fmax(HUM_SHARE * answer->hum.mean, HUM_MIN);
-        answer->still_share = answer->jump.p99 / STILL_JUMP;
+        answer->hum_share = answer->hum.rms / fmax(HUM_LIMIT_SHARE * answer->hum.mean, HUM_LIMIT_MIN);
+        answer->still_share = answer->jump.p99 / HUM_JUMP_STILL;
     } else {
         judge_motion(trial, jumps, answer);
     }
@@ -315,7 +310,7 @@ const struct lab_case hum_case = {
         "radius. Real organs are made soft as the liver is, and lie flat.",
     .advice =
         "Rigid bodies do not hum, and what gives way does not where it is solved together with the tool "
-        "(docs/algorithms/tissue.md). Elsewhere, as with a load_radius, few points hold a tool that lies, give "
+        "(docs/algorithms/tissue.md). Elsewhere, as with physics at its own rate, few points hold a tool that lies, give "
         "way in each tick, and others hold it in the next: a coupling of 200 N/m hums least there. More damping of the coupling makes it worse, and a low-pass slow enough to hide it makes the "
         "tissue late. A light sheet hums under a tool that is thicker than its edges are long, with EULER and "
         "IMPLICIT most: choose SYMPLECTIC, some drag, and a thinner tool.",

@@ -72,13 +72,20 @@ static void pass_low(struct force_lead *lead)
     }
 }
 
+static void note_result(const struct force_lead *lead, dpt_result result)
+{
+    if (lead->def->failure && *lead->def->failure == DPT_OK)
+        *lead->def->failure = result;
+}
+
 void force_lead_step(struct force_lead *lead)
 {
     lead->last = lead->force;
-    dpt_tool_set_pose(lead->world, lead->tool, &lead->device);
+    note_result(lead, dpt_tool_set_pose(lead->world, lead->tool, &lead->device));
     const uint64_t begin = clock_now();
-    dpt_world_step(lead->world, LEAD_DT, NULL);
+    const dpt_result result = dpt_world_step(lead->world, LEAD_DT, NULL);
     const uint64_t ns = clock_now() - begin;
+    note_result(lead, result);
     dpt_tool_get_force_info(lead->world, lead->tool, &lead->force);
     if (lead->force.reason == DPT_FORCE_ACTS)
         note_time(lead, 1e-3 * (double)ns);
@@ -88,8 +95,8 @@ void force_lead_step(struct force_lead *lead)
 
 void force_lead_start(struct force_lead *lead)
 {
-    dpt_tool_teleport(lead->world, lead->tool, &lead->device);
-    dpt_world_step(lead->world, LEAD_DT, NULL);
+    note_result(lead, dpt_tool_teleport(lead->world, lead->tool, &lead->device));
+    note_result(lead, dpt_world_step(lead->world, LEAD_DT, NULL));
     lead->before = lead->device;
     memset(&lead->force.wrench, 0, sizeof lead->force.wrench);
     force_lead_step(lead);

@@ -21,8 +21,9 @@ struct force_trial_def {
     uint64_t places; /* where on the mesh it is tried */
     uint64_t paths;  /* closed ones */
     uint64_t seed;
-    uint64_t contacts; /* dpt_world_def.max_contacts */
-    double low_pass;   /* s: of the first-order low-pass behind the law; 0: none */
+    uint64_t contacts;   /* dpt_world_def.max_contacts */
+    double low_pass;     /* s: of the first-order low-pass behind the law; 0: none */
+    dpt_result *failure; /* gets the result of the first tick that fails; NULL: nobody asks */
 };
 
 /* Of needles that are pushed in at a place, upright to lying, and led along there with a tremor. */

@@ -148,11 +148,12 @@ static double feel(struct hum_trial *trial, double down, double across, int is_f
                                  : dpt_tool_set_pose(trial->world, trial->tool, &pose);
     if (result == DPT_OK)
         result = dpt_world_step(trial->world, HUM_TICK, NULL);
+    scene_bodies_begin_tick(&trial->scene->bodies, trial->count);
     if (result == DPT_OK)
         result = scene_bodies_step(&trial->scene->bodies, trial->world, HUM_TICK);
     if (result == DPT_OK)
         result = dpt_tool_get_force_info(trial->world, trial->tool, &info);
-    trial->has_failed |= result != DPT_OK || trial->count + 1 == ROOM;
+    trial->has_failed |= result != DPT_OK || trial->scene->bodies.is_held || trial->count + 1 == ROOM;
     memcpy(tick->force, info.wrench.force, sizeof tick->force);
     tick->motion = length(sub(vec3_of(pose.position), vec3_of(before.position)));
     tick->flags = info.flags;

@@ -253,7 +253,7 @@ void lab_tally_note(struct lab *lab, int method, const struct lab_tally *tally)
     const char *name = lab_method_name(method);
     lab_at_most(lab, name, "ticks that turn the force by over 30 degrees, folds apart",
                 lab_per_cent(tally->turns, tally->acting), "%", 0.0);
-    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", tally->share, "", 1.0);
+    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", tally->share, "", LAB_SHARE_MAX);
     lab_note(lab, name, "largest change of force in a tick", tally->jump, "N");
     if (!lab_has_proxy(method))
         return;

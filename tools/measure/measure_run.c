@@ -266,8 +266,9 @@ static dpt_result step(struct stage *stage, struct measure_run *run, size_t row,
     struct measure_tick *tick = &run->tick[row];
     dpt_step told = { .size = sizeof told };
     uint64_t begin = clock_now();
+    scene_bodies_begin_tick(&stage->bodies, row);
     if (stage->physics)
-        DPT_TRY(scene_physics_begin_tick(stage->physics, stage->world));
+        scene_physics_begin_tick(stage->physics, stage->world);
     DPT_TRY(dpt_world_step(stage->world, dt, &told));
     const uint32_t ns = ns_since(begin);
     if (is_first) {
@@ -277,6 +278,8 @@ static dpt_result step(struct stage *stage, struct measure_run *run, size_t row,
     begin = clock_now();
     DPT_TRY(stage->physics ? scene_physics_end_tick(stage->physics, stage->world, dt)
                            : scene_bodies_step(&stage->bodies, stage->world, dt));
+    for (uint32_t i = 0; stage->bodies.is_held && i < stage->bodies.count; i++)
+        DPT_TRY(stage->bodies.body[i].held_why);
     const uint32_t soft_ns = stage->bodies.steps || stage->physics ? ns_since(begin) : 0;
     if (is_first)
         read_force(stage, tick);

@@ -12,6 +12,7 @@
 #include "record/run_record.h"
 #include "record/scene_text.h"
 #include "scene/scene_list.h"
+#include "scene/scene_trouble.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpr [SCENE.json|MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"
@@ -36,6 +37,8 @@ struct comparison_of_records {
     uint64_t byte;                    /* where it is cut or damaged */
     uint64_t first_missing, next;     /* the first record that is missing, and the next one */
     const struct record_field *field; /* the first that differs */
+    struct scene_trouble trouble;
+    char wrong[SCENE_TROUBLE_BYTES]; /* its text */
     dpt_record recorded, replayed;
 };
 
@@ -55,6 +58,7 @@ static int replay_tick(struct scene *scene, struct comparison_of_records *compar
     dpt_wrench wrench = { { 0.0 }, { 0.0 } };
     const dpt_loop_sample sample = sample_of_record(&compared->recorded, &state, &scene->device);
     const dpt_result result = scene_feel(scene, &sample, &wrench);
+    scene_trouble_note(&compared->trouble, scene, &sample, result);
     compared->replayed = record_of_sample(&sample);
     record_answers(&compared->replayed, scene, result, &wrench);
     compared->field = compare(&compared->recorded, &compared->replayed);
@@ -84,6 +88,8 @@ static enum ending replay_all(struct recording_file *recording, struct scene *sc
 
 static void print_text(const struct comparison_of_records *c)
 {
+    if (c->wrong[0])
+        puts(c->wrong);
     printf("%s: %" PRIu64 " ticks, all the same bits", c->path, c->ticks);
     switch (c->ending) {
     case WHOLE:
@@ -122,7 +128,7 @@ static void print_json(const struct comparison_of_records *c)
         fputs(",\"replayed\":", stdout);
         record_field_print(stdout, c->field, &c->replayed, 1);
     }
-    puts("}");
+    printf(",\"failed\":%" PRIu64 ",\"trouble\":\"%s\"}\n", c->trouble.failed, c->wrong);
 }
 
 static void note_version(const struct recording_file *recording, const char *path)
@@ -158,8 +164,11 @@ int replay_recording(int argc, char **argv)
     if (status == 0) {
         note_version(&recording, operand[0]);
         compared.ending = replay_all(&recording, &scene, &compared);
+        const int is_wrong = scene_trouble_text(&compared.trouble, &scene, compared.wrong);
         (json ? print_json : print_text)(&compared);
         status = compared.ending == WHOLE || compared.ending == CUT ? 0 : 1;
+        if (is_wrong)
+            status = complain("replay", "%s: %s", operand[0], compared.wrong);
     }
     recording_close(&recording);
     scene_close(&scene);

@@ -331,26 +331,21 @@ static struct quaternion turned_along(struct quaternion turn, vec3 reach)
     return quaternion_unit(quaternion_product(by, turn));
 }
 
-void replay_tool_place(struct replay_tool *tool, const struct csv_table *trace, size_t row, dpt_world *world,
-                       dpt_tool added)
+dpt_result replay_tool_place(struct replay_tool *tool, const struct csv_table *trace, size_t row, dpt_world *world,
+                             dpt_tool added)
 {
     static const dpt_pose identity = DPT_POSE_IDENTITY;
     const dpt_segment segment = segment_of(trace, row, tool->radius);
     const int is_jump = trace_is_jump(trace, row);
     curved_tips_begin_tick(&tool->curved);
     if (!tool->tips.count) {
-        if (is_jump)
-            dpt_tool_teleport(world, added, &identity);
-        dpt_tool_set_segments(world, added, &segment, 1);
-        return;
+        const dpt_result result = is_jump ? dpt_tool_teleport(world, added, &identity) : DPT_OK;
+        return result == DPT_OK ? dpt_tool_set_segments(world, added, &segment, 1) : result;
     }
     if (is_jump)
         tool->pose = identity;
     const struct quaternion before = quaternion_of(tool->pose.orientation);
     quaternion_store(turned_along(before, reach_of(trace, row)), tool->pose.orientation);
     memcpy(tool->pose.position, segment.a, sizeof segment.a);
-    if (is_jump)
-        dpt_tool_teleport(world, added, &tool->pose);
-    else
-        dpt_tool_set_pose(world, added, &tool->pose);
+    return is_jump ? dpt_tool_teleport(world, added, &tool->pose) : dpt_tool_set_pose(world, added, &tool->pose);
 }

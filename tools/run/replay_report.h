@@ -88,7 +88,7 @@ dpt_result replay_tool_add_tips(struct replay_tool *tool, dpt_world *world, dpt_
 double replay_tool_error(const struct replay_tool *tool);
 
 /* Place it for a row; rows in their order. A jump is a teleport. */
-void replay_tool_place(struct replay_tool *tool, const struct csv_table *trace, size_t row, dpt_world *world,
-                       dpt_tool added);
+dpt_result replay_tool_place(struct replay_tool *tool, const struct csv_table *trace, size_t row, dpt_world *world,
+                             dpt_tool added);
 
 #endif

@@ -422,7 +422,7 @@ static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench 
 static dpt_result step(struct scene *scene, double dt)
 {
     if (scene->physics)
-        DPT_TRY(scene_physics_begin_tick(scene->physics, scene->world));
+        scene_physics_begin_tick(scene->physics, scene->world);
     curved_tips_begin_tick(&scene->curved);
     DPT_TRY(dpt_world_step(scene->world, dt, NULL));
     if (curved_tips_have_failed(&scene->curved))
@@ -462,6 +462,7 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
     dpt_force_info report = { .size = sizeof report };
     const dpt_result result = find_pose(scene, sample->state, &pose, axes);
     const int was_clutched = scene->is_clutched;
+    scene_bodies_begin_tick(&scene->bodies, scene->ticks++);
     scene->is_clutched = result == DPT_OK && is_clutch_down(scene, sample->state);
     if (scene->is_clutched)
         return DPT_E_NOT_READY;

@@ -72,6 +72,7 @@ struct scene {
     double turned[4];          /* of the tool from the device, in the scene, by the clutch */
     int clutch;                /* button, or -1 */
     int is_clutched, has_pose; /* the clutch is down; the tool was moved */
+    uint64_t ticks;            /* calls of scene_feel */
     dpt_pose pose;             /* of the tool, moved last */
     struct scene_passivity passivity;
     dpt_device_info device;
@@ -104,6 +105,8 @@ int scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_
 /*
  * Move the tool to the hand's pose and take a step. The wrench is that of the hand, in the device's axes, after the
  * passivity controller if scene_passivity_begin was called.
+ *
+ * A body that could not go on was held where it was (scene_bodies.h): the tick has its wrench.
  *
  * While the clutch is down the tool stands still: DPT_E_NOT_READY, and no wrench. Afterwards it goes on from there, with
  * the hand wherever that is.

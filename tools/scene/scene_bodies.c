@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "scene/scene_bodies.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,6 +45,7 @@ static void settle_body(struct scene_body *body, const struct listed_body *liste
     body->load_radius = listed->load_radius;
     body->spread = listed->spread;
     body->period = listed->period;
+    body->room = listed->room;
 }
 
 /* `where` is what a message begins with. */
@@ -185,8 +187,7 @@ void scene_bodies_top(const struct scene_bodies *bodies, double top[3])
 /* Whether the tissue's step finds what a tool does to it (springs.h), which shares the load among all that it touches. */
 static int is_solved_together(const struct scene_body *body, const struct force_options *options)
 {
-    return body->response == DPT_RESPONSE_LOAD && !(body->period > 0.0) && !(body->settings.stiffness > 0.0) &&
-           options->law == DPT_LAW_PROXY;
+    return body->response == DPT_RESPONSE_LOAD && !(body->period > 0.0) && options->law == DPT_LAW_PROXY;
 }
 
 static double load_radius_of(const struct scene_body *body, const struct force_options *options, double diagonal)
@@ -196,8 +197,8 @@ static double load_radius_of(const struct scene_body *body, const struct force_o
     return body->spread > 0.0 ? body->spread : LOAD_SHARE * diagonal;
 }
 
-/* In diagonals of its box: how far a body that falls may go. */
-#define FALL_ROOM 3.0
+/* The least room, in diagonals of the mesh's box. */
+#define ROOM_SHARE 3.0
 
 static double diagonal_of(const dpt_mesh_info *info)
 {
@@ -205,6 +206,13 @@ static double diagonal_of(const dpt_mesh_info *info)
     for (int k = 0; k < 3; k++)
         square += (info->box_max[k] - info->box_min[k]) * (info->box_max[k] - info->box_min[k]);
     return sqrt(square);
+}
+
+static double room_of(const struct scene_body *body)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_get_info(body->mesh, &info);
+    return body->room > 0.0 ? body->room : fmax(SCENE_ROOM, ROOM_SHARE * diagonal_of(&info));
 }
 
 static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world,
@@ -218,9 +226,10 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
     dpt_mesh_get_info(body->mesh, &info);
     const double diagonal = diagonal_of(&info);
     deform.mesh = springs.mesh = body->mesh;
-    for (int k = 0; bodies->gravity > 0.0 && k < 3; k++) {
-        deform.box_min[k] = info.box_min[k] - FALL_ROOM * diagonal;
-        deform.box_max[k] = info.box_max[k] + FALL_ROOM * diagonal;
+    const double room = room_of(body);
+    for (int k = 0; k < 3; k++) {
+        deform.box_min[k] = fmax(info.box_min[k] - room, -DPT_COORDINATE_MAX);
+        deform.box_max[k] = fmin(info.box_max[k] + room, DPT_COORDINATE_MAX);
     }
     deform.pose = &body->pose;
     deform.load_radius = load_radius_of(body, options, diagonal);
@@ -297,13 +306,82 @@ int scene_bodies_check_step(const struct scene_bodies *bodies, const char *comma
     return 0;
 }
 
+void scene_bodies_begin_tick(struct scene_bodies *bodies, uint64_t tick)
+{
+    bodies->tick = tick;
+    bodies->is_held = 0;
+}
+
+void scene_bodies_hold(struct scene_bodies *bodies, uint32_t index, dpt_result why)
+{
+    struct scene_body *body = &bodies->body[index];
+    if (body->held && body->held_last == bodies->tick)
+        return;
+    body->held_last = bodies->tick;
+    if (!body->held++) {
+        body->held_first = bodies->tick;
+        body->held_why = why;
+    }
+    bodies->held += !bodies->is_held;
+    bodies->is_held = 1;
+}
+
+/* What helps, after what is wrong. */
+static void write_reason(const struct scene_body *body, char *text, size_t room)
+{
+    if (body->held_why == DPT_E_FINITE)
+        snprintf(
+            text, room,
+            "it leaves its room, which ends %g m beyond its box, or moves without bounds: hold it by a fixed region, or "
+            "give it more room (physics.room)",
+            room_of(body));
+    else if (body->held_why == DPT_E_UNSTABLE)
+        snprintf(text, room, "a tick was too long for its springs: choose the integrator implicit, or shorter ticks");
+    else
+        snprintf(text, room, "%s", dpt_result_text(body->held_why));
+}
+
+int scene_bodies_held_text(const struct scene_bodies *bodies, char *text, size_t room)
+{
+    const struct scene_body *first = NULL;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        first = !first && bodies->body[i].held ? &bodies->body[i] : first;
+        count += bodies->body[i].held > 0;
+    }
+    if (!first)
+        return 0;
+    char name[64] = "", reason[256];
+    if (first->name)
+        snprintf(name, sizeof name, " (%s)", first->name);
+    write_reason(first, reason, sizeof reason);
+    snprintf(text, room, "bodies[%u]%s%s was held where it was on %" PRIu64 " ticks from tick %" PRIu64 " on: %s",
+             (unsigned)(first - bodies->body), name, count > 1 ? ", the first of several," : "", first->held,
+             first->held_first, reason);
+    return 1;
+}
+
+/* Those that were held; nothing else is an error of one body alone. */
+static dpt_result take_reports(struct scene_bodies *bodies, const uint32_t *index, const dpt_springs_info *reports,
+                               uint32_t count, dpt_result result)
+{
+    dpt_result left = result;
+    for (uint32_t i = 0; i < count; i++) {
+        if (reports[i].result == DPT_OK)
+            continue;
+        scene_bodies_hold(bodies, index[i], reports[i].result);
+        left = DPT_OK;
+    }
+    return left;
+}
+
 dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)
 {
     dpt_body ids[DPT_ARM_BODIES_MAX] = { 0 };
     dpt_springs *springs[DPT_ARM_BODIES_MAX] = { NULL };
     dpt_springs_info reports[DPT_ARM_BODIES_MAX];
     double period[DPT_ARM_BODIES_MAX];
-    uint32_t count = 0;
+    uint32_t index[DPT_ARM_BODIES_MAX], count = 0;
     for (uint32_t i = 0; i < bodies->count; i++) {
         const struct scene_body *body = &bodies->body[i];
         if (!body->springs)
@@ -311,9 +389,12 @@ dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, doub
         ids[count] = body->id;
         springs[count] = body->springs;
         period[count] = body->period;
+        index[count] = i;
         reports[count++] = (dpt_springs_info){ .size = sizeof *reports };
     }
-    const dpt_result result = dpt_bodies_step_springs(world, ids, springs, count, dt, reports);
+    dpt_result result = dpt_bodies_step_springs(world, ids, springs, count, dt, reports);
+    if (result != DPT_OK)
+        result = take_reports(bodies, index, reports, count, result);
     for (uint32_t i = 0; result == DPT_OK && i < count; i++) {
         bodies->nodes += reports[i].nodes;
         bodies->active += reports[i].active;

@@ -20,7 +20,7 @@ struct scene_body {
     void *file_bytes;      /* of a file that the scene names, or NULL */
     /* As in listed_body. */
     uint32_t integrator, iterations, response;
-    double sleep_speed, load_radius, spread, period;
+    double sleep_speed, load_radius, spread, period, room;
     int is_rigid;               /* springs of the mesh are not used */
     dpt_body_settings settings; /* its size is 0: those of new bodies */
     const char *name;           /* of its shape, or NULL */
@@ -31,6 +31,9 @@ struct scene_body {
     void *block, *springs_block;
     size_t block_bytes, springs_bytes;
     dpt_body id;
+    /* Ticks in which it was held where it was (springs.h), the first and the last of them, and why it was at first. */
+    uint64_t held, held_first, held_last;
+    dpt_result held_why;
 };
 
 struct scene_bodies {
@@ -41,7 +44,13 @@ struct scene_bodies {
     uint64_t steps;         /* of the springs that were taken with the world's */
     uint64_t moves;         /* steps of the world in which vertices moved, or were set to */
     double moving;          /* s: time for which they still move after the last step */
+    uint64_t tick;          /* number of the present tick, from 0 */
+    uint64_t held;          /* ticks in which a body was held */
+    int is_held;            /* 1: in the present tick */
 };
+
+/* m: how far what gives way may get beyond its mesh's box, at least, where the scene does not say. */
+#define SCENE_ROOM 10.0
 
 /* 1 if a body gives way. */
 int scene_body_is_soft(const struct scene_body *body);
@@ -76,7 +85,17 @@ void scene_bodies_leave(struct scene_bodies *bodies);
  */
 int scene_bodies_check_step(const struct scene_bodies *bodies, const char *command, const char *path, double dt);
 
-/* After a step of the world: what is soft goes on by dt, s. */
+/* A tick begins, and in it a body is held, as a step of its springs or new positions were refused. */
+void scene_bodies_begin_tick(struct scene_bodies *bodies, uint64_t tick);
+void scene_bodies_hold(struct scene_bodies *bodies, uint32_t index, dpt_result why);
+
+/*
+ * Write the first body that was held, on how many ticks, why, and what helps against it; returns 0, and writes nothing, if
+ * none was.
+ */
+int scene_bodies_held_text(const struct scene_bodies *bodies, char *text, size_t room);
+
+/* After a step of the world: what is soft goes on by dt, s. What cannot is held: that is no error. */
 dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt);
 
 /* Vertices were set, which arrive after `period`, s. And once a step: dt of that has passed. */

@@ -106,7 +106,7 @@ static void read_material(struct scene_file_body *body, struct json_reader *read
 static void read_physics(struct listed_body *listed, struct json_reader *reader, const struct json_value *at)
 {
     static const char *const keys[] = { "integrator",  "iterations", "sleep_speed", "response",
-                                        "load_radius", "period",     NULL };
+                                        "load_radius", "period",     "room",        NULL };
     static const char *const responses[] = { "load", "displace", NULL };
     uint64_t iterations = 0;
     double sleep_speed = NAN;
@@ -121,6 +121,7 @@ static void read_physics(struct listed_body *listed, struct json_reader *reader,
     listed->response = (uint32_t)json_take_word(reader, at, "response", responses, DPT_RESPONSE_LOAD);
     json_take_above(reader, at, "load_radius", DPT_COORDINATE_MAX, &listed->load_radius);
     json_take_number(reader, at, "period", 0.0, 1000.0, &listed->period);
+    json_take_above(reader, at, "room", DPT_COORDINATE_MAX, &listed->room);
     listed->iterations = (uint32_t)iterations;
     if (!isnan(sleep_speed))
         listed->sleep_speed = sleep_speed > 0.0 ? sleep_speed : LISTED_SLEEPS_NEVER;

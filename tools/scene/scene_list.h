@@ -22,6 +22,7 @@ struct listed_body {
     double load_radius;         /* dpt_deformable_def, as the user asks for it; 0: none, or `spread` */
     double spread;              /* likewise, where tissue and tool are not solved together; 0: a share of the mesh */
     double period;              /* dpt_deformable_def */
+    double room;                /* m: how far vertices may get beyond the mesh's box; 0: SCENE_ROOM (scene_bodies.h) */
     uint32_t response;          /* DPT_RESPONSE_... */
     int has_colour;
     double colour[3]; /* red, green and blue, 0 to 1: in the viewer */

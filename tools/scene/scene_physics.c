@@ -131,7 +131,7 @@ struct scene_physics {
     /* Written by the haptic thread, read by physics, and the other way. */
     uint64_t ticks;
     uint64_t steps;
-    int32_t result;
+    int32_t results[DPT_ARM_BODIES_MAX]; /* of each body's last step */
     /* The thread. */
     pthread_t thread;
     int is_running, has_thread;
@@ -197,10 +197,11 @@ void scene_physics_close(struct scene_physics *physics)
     free(physics);
 }
 
-/* Returns 0 after an error. */
-static int step(struct scene_physics *physics)
+/* A body that cannot go on stays where it was, and is tried again in the next step. */
+static void step(struct scene_physics *physics)
 {
     struct scene_bodies *bodies = physics->bodies;
+    int is_whole = 1;
     for (uint32_t i = 0; i < bodies->count; i++) {
         dpt_springs_info report = { .size = sizeof report };
         if (!bodies->body[i].springs)
@@ -209,27 +210,27 @@ static int step(struct scene_physics *physics)
             soft_exchange_step(&physics->exchange[i], bodies->body[i].springs, physics->period, &report);
         bodies->nodes += report.nodes;
         bodies->active += report.active;
-        if (result != DPT_OK) {
-            __atomic_store_n(&physics->result, result, __ATOMIC_RELAXED);
-            return 0;
-        }
+        __atomic_store_n(&physics->results[i], result, __ATOMIC_RELAXED);
+        is_whole &= result == DPT_OK;
     }
-    __atomic_store_n(&physics->steps, physics->steps + 1, __ATOMIC_RELAXED);
-    return 1;
+    __atomic_store_n(&physics->steps, physics->steps + (uint64_t)is_whole, __ATOMIC_RELAXED);
 }
 
-dpt_result scene_physics_begin_tick(struct scene_physics *physics, dpt_world *world)
+void scene_physics_begin_tick(struct scene_physics *physics, dpt_world *world)
 {
-    dpt_result result = __atomic_load_n(&physics->result, __ATOMIC_RELAXED);
-    for (uint32_t i = 0; result == DPT_OK && i < physics->bodies->count; i++) {
+    for (uint32_t i = 0; i < physics->bodies->count; i++) {
         const struct scene_body *body = &physics->bodies->body[i];
         int is_new = 0;
-        if (body->springs)
+        if (!body->springs)
+            continue;
+        dpt_result result = __atomic_load_n(&physics->results[i], __ATOMIC_RELAXED);
+        if (result == DPT_OK)
             result = soft_exchange_take_vertices(&physics->exchange[i], world, body->id, &is_new);
-        if (is_new)
+        if (result != DPT_OK)
+            scene_bodies_hold(physics->bodies, i, result);
+        else if (is_new)
             scene_bodies_note_moving(physics->bodies, body->period);
     }
-    return result;
 }
 
 /* By the loop's time: whatever is nearer to this tick than to the next one. */
@@ -238,21 +239,24 @@ static dpt_result step_by_ticks(struct scene_physics *physics, double dt)
     if (!(dt >= 0.0 && dt <= DPT_SPRINGS_STEP_MAX))
         return DPT_E_ARGUMENT;
     for (physics->due += dt; physics->due >= physics->period - 0.5 * dt; physics->due -= physics->period)
-        if (!step(physics))
-            return physics->result;
+        step(physics);
+    for (uint32_t i = 0; i < physics->bodies->count; i++)
+        if (physics->results[i] != DPT_OK)
+            scene_bodies_hold(physics->bodies, i, physics->results[i]);
     return DPT_OK;
 }
 
 dpt_result scene_physics_end_tick(struct scene_physics *physics, dpt_world *world, double dt)
 {
-    dpt_result result = DPT_OK;
-    for (uint32_t i = 0; result == DPT_OK && i < physics->bodies->count; i++) {
+    for (uint32_t i = 0; i < physics->bodies->count; i++) {
         const struct scene_body *body = &physics->bodies->body[i];
-        if (body->springs)
-            result = soft_exchange_give_loads(&physics->exchange[i], world, body->id);
+        const dpt_result result =
+            body->springs ? soft_exchange_give_loads(&physics->exchange[i], world, body->id) : DPT_OK;
+        if (result != DPT_OK)
+            scene_bodies_hold(physics->bodies, i, result);
     }
     __atomic_store_n(&physics->ticks, physics->ticks + 1, __ATOMIC_RELAXED);
-    return result == DPT_OK && !physics->has_thread ? step_by_ticks(physics, dt) : result;
+    return physics->has_thread ? DPT_OK : step_by_ticks(physics, dt);
 }
 
 static int must_end(const struct scene_physics *physics)
@@ -279,8 +283,8 @@ static void *run(void *user)
             ticked_ns = now;
         ticks = ticks_now;
         const int is_held = now - ticked_ns > physics->held_ns;
-        if (!is_held && !step(physics))
-            break;
+        if (!is_held)
+            step(physics);
         deadline += period;
         now = clock_now();
         if (now > deadline) {

@@ -96,10 +96,11 @@ dpt_result scene_physics_start(struct scene_physics *physics, double loop_rate);
 void scene_physics_stop(struct scene_physics *physics);
 
 /*
- * In the haptic loop, before and after a step of the world by dt, s. An error of physics is returned by every tick after
- * it: no step follows.
+ * In the haptic loop, before and after a step of the world by dt, s. A body whose last step or whose new vertices were
+ * refused is held where it was (scene_bodies_hold), and the others go on. DPT_E_ARGUMENT: physics goes by the loop's time,
+ * and dt is no step of it.
  */
-dpt_result scene_physics_begin_tick(struct scene_physics *physics, dpt_world *world);
+void scene_physics_begin_tick(struct scene_physics *physics, dpt_world *world);
 dpt_result scene_physics_end_tick(struct scene_physics *physics, dpt_world *world, double dt);
 
 struct scene_physics_report {

@@ -105,7 +105,7 @@ void run_view_begin(struct run_view *view)
         view->began_ns = clock_now();
 }
 
-void run_view_tick(struct run_view *view, const struct scene *scene, const dpt_loop_sample *sample)
+void run_view_tick(struct run_view *view, const struct scene *scene, const dpt_loop_sample *sample, dpt_result result)
 {
     if (!view)
         return;
@@ -114,7 +114,8 @@ void run_view_tick(struct run_view *view, const struct scene *scene, const dpt_l
                                           .steps = scene_soft_steps(scene) };
     view->moves_before = scene->bodies.moves;
     view->time += sample->dt;
-    const struct view_tick tick = scene_picture_tick(scene, sample, view->time, 1e-9 * (double)(now - view->began_ns));
+    struct view_tick tick = scene_picture_tick(scene, sample, view->time, 1e-9 * (double)(now - view->began_ns));
+    view_tick_set_result(&tick, result);
     view_feed_tick(view->feed, &tick, &physics, now);
 }
 

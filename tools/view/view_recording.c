@@ -11,6 +11,7 @@
 #include "record/replay_recording.h"
 #include "record/run_record.h"
 #include "scene/scene_list.h"
+#include "scene/scene_trouble.h"
 #include "view/view_scene.h"
 
 #define FRAME_SECONDS (1.0 / 60.0)
@@ -36,6 +37,7 @@ struct filming {
     int has_moved;
     double time, next_time;
     uint64_t missing;
+    struct scene_trouble trouble;
 };
 
 /* Returns 0 if memory ran out. */
@@ -75,13 +77,15 @@ static int film_tick(struct filming *filming, const dpt_record *record)
     dpt_wrench wrench = { { 0.0 }, { 0.0 } };
     struct scene *scene = filming->scene;
     const dpt_loop_sample sample = sample_of_record(record, &state, &scene->device);
-    if (scene_feel(scene, &sample, &wrench) != DPT_OK)
+    const dpt_result result = scene_feel(scene, &sample, &wrench);
+    if (!scene_trouble_note(&filming->trouble, scene, &sample, result) && result != DPT_OK)
         return 1;
     filming->time += sample.dt;
     filming->has_moved |= scene->bodies.moves != filming->moves_before;
     filming->moves_before = scene->bodies.moves;
     struct view_tick tick = scene_picture_tick(scene, &sample, filming->time, 1e-9 * (double)record->took_ns);
     tick.late = (float)(1e-9 * (double)record->late_ns);
+    view_tick_set_result(&tick, result);
     if (filming->ticks < TICKS_ROOM)
         filming->tick[filming->ticks++] = tick;
     else
@@ -94,7 +98,7 @@ static int film_tick(struct filming *filming, const dpt_record *record)
     return add_frame(filming);
 }
 
-static int film(struct filming *filming, struct recording_file *recording, char *why, size_t room)
+static int film(struct filming *filming, struct recording_file *recording, char *why, size_t room, int *is_wrong)
 {
     dpt_record record;
     uint64_t next = 0, records = 0;
@@ -120,9 +124,16 @@ static int film(struct filming *filming, struct recording_file *recording, char 
             break;
         }
     }
-    const size_t used = strlen(why);
+    char wrong[SCENE_TROUBLE_BYTES];
+    size_t used = strlen(why);
     if (filming->missing)
         snprintf(why + used, room - used, " %" PRIu64 " records are missing in it.", filming->missing);
+    *is_wrong = scene_trouble_text(&filming->trouble, filming->scene, wrong);
+    used = strlen(why);
+    if (*is_wrong)
+        snprintf(why + used, room - used, " %s", wrong);
+    if (*is_wrong)
+        complain("view", "%s", wrong);
     if (filming->ticks && !add_frame(filming))
         return complain("view", "memory ran out");
     return 0;
@@ -167,13 +178,13 @@ static int begin(struct filming *filming, const struct view_recording_files *fil
     return 0;
 }
 
-int view_recording(struct view_stream *stream, const struct view_recording_files *files)
+int view_recording(struct view_stream *stream, const struct view_recording_files *files, int *is_wrong)
 {
     struct recording_file recording;
     struct scene scene = { .world = NULL };
     struct scene_text *text = malloc(sizeof *text);
     struct filming *filming = calloc(1, sizeof *filming);
-    char why[256] = "";
+    char why[256 + SCENE_TROUBLE_BYTES] = "";
     int status = recording_open(&recording, "view", files->recording);
     if (status == 0)
         status = text && filming ? scene_text_read(text, "view", files->recording, recording.text)
@@ -190,7 +201,7 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
         status = begin(filming, files, text, recording.header.rate);
     }
     if (status == 0)
-        status = film(filming, &recording, why, sizeof why);
+        status = film(filming, &recording, why, sizeof why, is_wrong);
     if (status == 0 && !view_stream_add_end(stream, why))
         status = complain("view", "memory ran out");
     recording_close(&recording);

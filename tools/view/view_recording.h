@@ -14,8 +14,8 @@ struct view_recording_files {
 
 /*
  * Add all messages to a stream. A recording that ends early or is damaged is shown as far as it goes, and its end says so.
- * Returns 0, or 2 after a message.
+ * Returns 0, or 2 after a message. *is_wrong is 1, after a message too, if ticks failed or a body was held in it.
  */
-int view_recording(struct view_stream *stream, const struct view_recording_files *files);
+int view_recording(struct view_stream *stream, const struct view_recording_files *files, int *is_wrong);
 
 #endif

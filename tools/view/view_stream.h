@@ -56,8 +56,19 @@ struct view_tick {
     float energy;     /* J: that the law stores */
     float late, took; /* s */
     uint32_t contact; /* DPT_CONTACT_... */
-    uint32_t reason;  /* DPT_FORCE_... */
+    uint32_t reason;  /* DPT_FORCE_..., or VIEW_TICK_FAILED */
 };
+
+/* The reason of a tick that failed: it has no force. */
+enum { VIEW_TICK_FAILED = 6 };
+
+static inline void view_tick_set_result(struct view_tick *tick, dpt_result result)
+{
+    if (result == DPT_OK)
+        return;
+    tick->reason = VIEW_TICK_FAILED;
+    tick->force = 0.0f;
+}
 
 /* The bytes of a frame with so much behind its header. */
 size_t view_frame_bytes(size_t snapshot_bytes, size_t ticks);

@@ -201,6 +201,10 @@ class World {
     return this.numbers(7, at => this.call.dpt_tool_get_proxy(this.world, tool, at));
   }
 
+  getToolEnd(tool) {
+    return this.numbers(7, at => this.call.dpt_tool_get_end(this.world, tool, at));
+  }
+
   getToolSettings(tool) {
     return this.core.get("dpt_tool_settings", at => this.call.dpt_tool_get_settings(this.world, tool, at));
   }

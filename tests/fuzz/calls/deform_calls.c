@@ -18,19 +18,20 @@ struct given_def {
     struct codes codes;
 };
 
-/* The caller's own, or none: then the mesh's own box, wider by half of its diagonal. */
+/* The caller's own, or none: then vertices go as far as half of the mesh's diagonal, or many, and might farther. */
 static void draw_box(struct given_def *of)
 {
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_get_info(of->subject->mesh, &info);
-    const double wider = 0.5 * apart(info.box_min, info.box_max);
+    const double wider = (draw_one_in(3) ? 20.0 : 0.5) * apart(info.box_min, info.box_max);
     const int has_box = draw_one_in(2);
-    of->soft.slack = has_box ? 0.0f : 1e-6f;
     for (int k = 0; k < 3; k++) {
         const double low = info.box_min[k] - (has_box ? draw_in(0.0, 0.1) : wider);
         const double high = info.box_max[k] + (has_box ? draw_in(0.0, 0.1) : wider);
         of->soft.low[k] = (float)low;
         of->soft.high[k] = (float)high;
+        of->soft.wall_low[k] = has_box ? (float)low : -(float)DPT_COORDINATE_MAX;
+        of->soft.wall_high[k] = has_box ? (float)high : (float)DPT_COORDINATE_MAX;
         of->def.box_min[k] = has_box ? low : 0.0;
         of->def.box_max[k] = has_box ? high : 0.0;
     }
@@ -222,7 +223,7 @@ struct goal {
 
 static float clamped(const struct soft *soft, double x, uint32_t axis)
 {
-    return fminf(fmaxf((float)x, soft->low[axis] + soft->slack), soft->high[axis] - soft->slack);
+    return fminf(fmaxf((float)x, soft->low[axis]), soft->high[axis]);
 }
 
 /* As a whole: stretched, sheared and shifted a little. */
@@ -325,15 +326,15 @@ static void draw_positions(struct update *of)
     if (!of->count || !draw_one_in(24))
         return;
     const uint32_t at = draw_below(3 * of->count), axis = at % 3;
-    const float width = soft->high[axis] - soft->low[axis], slack = 2.0f * soft->slack;
+    const float width = soft->wall_high[axis] - soft->wall_low[axis];
     const float wrong[] = { NAN,
                             -NAN,
                             INFINITY,
                             -INFINITY,
                             3e38f,
-                            nextafterf(soft->high[axis] + slack, INFINITY),
-                            nextafterf(soft->low[axis] - slack, -INFINITY),
-                            soft->high[axis] + 0.1f * width + 1e-3f };
+                            nextafterf(soft->wall_high[axis], INFINITY),
+                            nextafterf(soft->wall_low[axis], -INFINITY),
+                            soft->wall_high[axis] + 0.1f * width + 1e-3f };
     of->positions[at] = wrong[draw_below(8)];
     may_fail(&of->codes, 1, DPT_E_FINITE);
 }

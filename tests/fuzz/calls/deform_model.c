@@ -112,9 +112,9 @@ static void take_displaced(const struct scene *scene, const struct model_body *b
     for (uint32_t k = 0; k < 3 * body->subject->vertices; k++) {
         HOLDS(isfinite(told[k]), "vertex %u is displaced to %g", k / 3, (double)told[k]);
         has_moved |= told[k] != soft->now[k];
-        HOLDS(told[k] >= soft->low[k % 3] - soft->slack && told[k] <= soft->high[k % 3] + soft->slack,
+        HOLDS(told[k] >= soft->wall_low[k % 3] && told[k] <= soft->wall_high[k % 3],
               "vertex %u is displaced to %.9g, out of the box of %.9g to %.9g", k / 3, (double)told[k],
-              (double)soft->low[k % 3], (double)soft->high[k % 3]);
+              (double)soft->wall_low[k % 3], (double)soft->wall_high[k % 3]);
     }
     if (!has_moved)
         return;

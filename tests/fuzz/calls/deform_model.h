@@ -9,12 +9,12 @@
 #include "fuzz/calls/world_model.h"
 
 struct soft {
-    dpt_deformable_def def;  /* as the library must understand it, but for the box */
-    unsigned char *block[2]; /* as it was taken from the heap */
-    size_t room;             /* bytes for the body in it */
-    size_t offset;           /* of these in the block */
-    float low[3], high[3];   /* the box */
-    float slack;             /* m: what its ends may be off by; 0 if they are the caller's own */
+    dpt_deformable_def def;          /* as the library must understand it, but for the box */
+    unsigned char *block[2];         /* as it was taken from the heap */
+    size_t room;                     /* bytes for the body in it */
+    size_t offset;                   /* of these in the block */
+    float low[3], high[3];           /* where the game moves vertices */
+    float wall_low[3], wall_high[3]; /* the box that they never leave: that, or all that coordinates may be */
     float now[3 * VERTICES_MOST];
     /* With a period: where they began, where they are to be, and for how long they have been on their way. */
     float begin[3 * VERTICES_MOST], end[3 * VERTICES_MOST];

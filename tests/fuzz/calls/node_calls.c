@@ -49,8 +49,8 @@ static int follow_nodes(const struct model_body *body, const struct embedding *o
             for (uint32_t n = 4 * v; n < 4 * v + 4; n++)
                 sum += (double)of->weights[n] * (double)nodes[3 * of->nodes[n] + k];
             const float x = positions[3 * v + k] = (float)sum;
-            const float low = soft->low[k], high = soft->high[k];
-            const float slack = soft->slack + 1e-6f;
+            const float low = soft->wall_low[k], high = soft->wall_high[k];
+            const float slack = 1e-6f;
             if (!(x >= low - slack && x <= high + slack))
                 return 0;
             if (!(x >= low + slack && x <= high - slack))

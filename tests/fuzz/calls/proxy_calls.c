@@ -2,7 +2,7 @@
 /* Proxies: asked for at any time, and pressed into what is near, while bodies come and go. */
 #include "fuzz/calls/rules.h"
 
-static void get_proxy(void)
+static void get_pose(int is_end)
 {
     struct scene *scene = draw_scene();
     if (!scene)
@@ -19,7 +19,10 @@ static void get_proxy(void)
     {
         const dpt_pose identity = DPT_POSE_IDENTITY;
         dpt_pose *out = output_of(i, sizeof *out);
-        SAME_RESULT(i, result, RESULT(dpt_tool_get_proxy, world_or_null(scene, i, no_world), id, no_out ? NULL : out));
+        const dpt_world *world = world_or_null(scene, i, no_world);
+        dpt_pose *pose = no_out ? NULL : out;
+        SAME_RESULT(i, result,
+                    is_end ? RESULT(dpt_tool_get_end, world, id, pose) : RESULT(dpt_tool_get_proxy, world, id, pose));
         HOLDS(result == DPT_OK || output_is_untouched(i, 0) || !memcmp(out, &identity, sizeof *out),
               "a pose on an error");
         HOLDS(result != DPT_OK || has_proxy(scene, tool->law) || !memcmp(out, &tool->pose, sizeof *out),
@@ -31,6 +34,16 @@ static void get_proxy(void)
         outputs_agree(1);
     if (result == DPT_OK)
         game_digest(output_at(0), sizeof(dpt_pose));
+}
+
+static void get_proxy(void)
+{
+    get_pose(0);
+}
+
+static void get_end(void)
+{
+    get_pose(1);
 }
 
 /* The device goes on by `step`, as what it is; a free one's size changes now and then. */
@@ -170,8 +183,10 @@ static void set_shaper(void)
         tool->is_shaped = is_shaped;
 }
 
-static const struct move moves[] = {
-    { "get proxy", get_proxy, 4 }, { "press", press, 12 }, { "set shaper", set_shaper, 3 }, { NULL, NULL, 0 }
-};
+static const struct move moves[] = { { "get proxy", get_proxy, 4 },
+                                     { "get end", get_end, 2 },
+                                     { "press", press, 12 },
+                                     { "set shaper", set_shaper, 3 },
+                                     { NULL, NULL, 0 } };
 
 const struct noun proxy_noun = { "proxy", NULL, NULL, moves };

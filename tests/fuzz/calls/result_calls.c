@@ -101,6 +101,7 @@ static void list(size_t today, int is_loads)
     may_fail(&of.codes, !of.tool, DPT_E_HANDLE);
     if (capacity && !no_array)
         size_codes_of_output(size, today, 1, &of.codes);
+    may_fail(&of.codes, !is_loads && !of.scene->def.max_contacts, DPT_E_FULL);
     trace(&of, size);
     EACH_WORLD(of.scene, i)
     {

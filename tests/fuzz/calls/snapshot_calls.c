@@ -35,6 +35,7 @@ static void bodies_must_hold(struct scene *scene, const dpt_snapshot_info *info)
         const struct model_body *model = scene_body(scene, body.id);
         HOLDS(model && model->user == body.user, "body %x", body.id);
         HOLDS(((body.flags & DPT_SNAPSHOT_BODY_FLAG_STALE) == 0) == (model->is_usable != 0), "flags %x", body.flags);
+        HOLDS(!(body.flags & DPT_SNAPSHOT_BODY_FLAG_HELD) || model->soft, "flags %x", body.flags);
         HOLDS((body.vertices > 0) == (model->soft != NULL), "%u vertices", body.vertices);
         if (model->is_usable && !model->soft)
             HOLDS(!memcmp(&body.pose, &model->pose, sizeof body.pose), "another pose");
@@ -93,6 +94,8 @@ static void tools_must_hold(struct scene *scene, const dpt_snapshot_info *info, 
               "force of %x", tool.id);
         dpt_tool_get_proxy(scene->world[0], tool.id, &proxy);
         HOLDS(!memcmp(&proxy, &tool.proxy, sizeof proxy), "proxy of %x", tool.id);
+        dpt_tool_get_end(scene->world[0], tool.id, &proxy);
+        HOLDS(!memcmp(&proxy, &tool.end, sizeof proxy), "end of %x", tool.id);
         segments_must_hold(scene, &tool, info, i);
         dpt_tool_get_contacts(scene->world[0], tool.id, NULL, 0, &count);
         HOLDS(tool.first_contact == contacts, "contacts of %x", tool.id);
@@ -190,11 +193,12 @@ static void read_one(size_t bytes, int is_sound)
     static const uint32_t today[] = { sizeof(dpt_snapshot_info),    sizeof(dpt_snapshot_body),
                                       sizeof(dpt_snapshot_tool),    sizeof(dpt_snapshot_segment),
                                       sizeof(dpt_snapshot_contact), sizeof(dpt_snapshot_strip) };
-    const uint32_t size = draw_size(today[kind], today[kind]);
+    const uint32_t first = kind == 2 ? (uint32_t)offsetof(dpt_snapshot_tool, end) : today[kind];
+    const uint32_t size = draw_size(first, today[kind]);
     struct codes codes = { .count = 0 };
     void *given = output_sized(0, size), *out = no_out ? NULL : given;
     if (!no_out)
-        size_codes_of_output(size, today[kind], 0, &codes);
+        size_codes_of_output(size, first, 0, &codes);
     const int has_good_size = !codes.count && !no_out;
     dpt_result result;
     switch (kind) {

@@ -358,7 +358,8 @@ static uint32_t draw_loads(const struct pair_of_springs *pair, dpt_load *loads, 
 static void spring_report_must_hold(const struct pair_of_springs *pair, const dpt_springs_info *report)
 {
     HOLDS(report->nodes == pair->nodes && report->active <= report->nodes && report->substeps >= 1 &&
-              report->substeps <= pair->def.max_substeps && report->flags <= DPT_SPRINGS_FLAG_HELD && !report->reserved,
+              report->substeps <= pair->def.max_substeps && report->flags <= DPT_SPRINGS_FLAG_HELD && !report->work &&
+              report->result == DPT_OK && !report->reserved_word,
           "%u of %u nodes, %u substeps", report->active, report->nodes, report->substeps);
 }
 
@@ -444,7 +445,7 @@ static void body_has_moved(struct scene *scene, struct model_body *body)
 
 /*
  * A body with a period has positions on their way, which the model does not know of: it is asked for errors alone. So
- * many loads, or vertices beyond the box, are not foreseen.
+ * many loads, or vertices beyond the box, are not foreseen. After an error nothing of it has moved.
  */
 static void step_body(void)
 {
@@ -468,6 +469,8 @@ static void step_body(void)
     may_fail(&codes, codes.or_done, DPT_E_FINITE);
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     const int as_list = draw_one_in(3);
+    static struct nodes before, after;
+    read_nodes(pair, 0, &before);
     EACH_WORLD(scene, i)
     {
         dpt_world *world = world_or_null(scene, i, no_world);
@@ -487,6 +490,9 @@ static void step_body(void)
         body_has_moved(scene, body);
     else if (body && body->soft)
         soft_must_be_there(scene, body);
+    read_nodes(pair, 0, &after);
+    if (result != DPT_OK && body && body->soft && body->soft->def.response == DPT_RESPONSE_LOAD)
+        HOLDS(nodes_are_same(pair, &before, &after), "its springs have gone on after an error");
 }
 
 static const struct move moves[] = { { "create", create, 4 },          { "defaults", defaults, 1 },

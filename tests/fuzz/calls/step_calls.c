@@ -69,8 +69,9 @@ static uint32_t read_contacts(struct scene *scene, const struct model_tool *tool
     static dpt_contact contacts[CONTACTS_MAX];
     uint32_t count = 0;
     contacts[0].size = sizeof *contacts;
-    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MAX, &count) == DPT_OK,
-          "no contacts");
+    HOLDS(RESULT(dpt_tool_get_contacts, scene->world[0], tool->id, contacts, CONTACTS_MAX, &count) ==
+              (scene->def.max_contacts ? DPT_OK : DPT_E_FULL),
+          "contacts, with room for %u", scene->def.max_contacts);
     HOLDS(count <= scene->def.max_contacts, "%u contacts of %u", count, scene->def.max_contacts);
     HOLDS(count == 0 || scene->def.until != DPT_UNTIL_TRACK, "%u contacts of the pair alone", count);
     for (uint32_t i = 0; i < count; i++)
@@ -133,10 +134,19 @@ static void audit(void)
     HOLDS(sum.contacts <= scene->contacts_then, "%u contacts, and there were %u", sum.contacts, scene->contacts_then);
 }
 
+static int has_soft(const struct scene *scene)
+{
+    int has = 0;
+    for (uint32_t i = 0; i < scene->body_count; i++)
+        has |= scene->body[i].soft != NULL;
+    return has;
+}
+
 static void step_must_hold(const struct scene *scene, const dpt_step *step)
 {
-    HOLDS(step->status <= DPT_STATUS_EXACT && step->contact <= DPT_CONTACT_PENETRATING &&
-              step->flags <= DPT_STEP_FLAG_CONTACTS_FULL && step->distance >= 0.0,
+    const uint32_t flags = DPT_STEP_FLAG_CONTACTS_FULL | (has_soft(scene) ? DPT_STEP_FLAG_BODY_HELD : 0u);
+    HOLDS(step->status <= DPT_STATUS_EXACT && step->contact <= DPT_CONTACT_PENETRATING && !(step->flags & ~flags) &&
+              step->distance >= 0.0,
           "status %u, contact %u, flags %x", step->status, step->contact, step->flags);
     HOLDS(!scene->def.budget || step->work <= scene->def.budget, "work %u of a budget of %u", step->work,
           scene->def.budget);

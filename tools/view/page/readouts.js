@@ -11,7 +11,10 @@ const readouts = (() => {
     "undecided: on which side is not known",
     "off: switched off",
     "inside: it began in a body",
+    "failed: this tick could not be felt",
   ];
+  const FAILED = 6;
+  const HELD = 4;
   const LEFT_OUT = [
     [1, "contacts"],
     [2, "strip triangles"],
@@ -30,6 +33,18 @@ const readouts = (() => {
     tool && tool.nearestSegment < tool.segments
       ? snapshot.segments[tool.firstSegment + tool.nearestSegment]
       : undefined;
+
+  // Why there is no force: of the last tick, if that failed.
+  function reasonOf(tool, last) {
+    const reason = last?.reason === FAILED ? FAILED : (tool?.reason ?? 0);
+    return reason === 0 ? "" : word(REASON, reason);
+  }
+
+  // Bodies count from 0, as in a scene file.
+  function heldOf(snapshot) {
+    const held = (snapshot.bodies ?? []).flatMap((body, index) => (body.flags & HELD ? [index] : []));
+    return held.length ? `Held where it was, as it could not be moved: body ${held.join(", ")}.` : "";
+  }
 
   // Name of a readout: its text, for a frame, one of its tools and what the page itself counts.
   function texts(frame, index, page) {
@@ -51,7 +66,8 @@ const readouts = (() => {
       depth: known ? millimetres(segment.depth) : "\u2013",
       force: fixed(force, 2, "N"),
       torque: tool ? fixed(1e3 * rays.length(tool.wrench.slice(3)), 1, "mN m") : "\u2013",
-      reason: tool && tool.reason !== 0 ? word(REASON, tool.reason) : "",
+      reason: reasonOf(tool, last),
+      held: heldOf(snapshot),
       spring: last ? millimetres(last.depth) : "\u2013",
       energy: tool ? fixed(1e3 * tool.energy, 3, "mJ") : "\u2013",
       triangle: segment && segment.triangle !== snapshotReader.NONE ? String(segment.triangle) : "\u2013",

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Over which vertices a body with a load_radius spreads the load of a touch, found by looking at all triangles again and again.
+ */
+#ifndef DPT_TESTS_TISSUE_PATCH_H
+#define DPT_TESTS_TISSUE_PATCH_H
+
+#include "world/tissue_rig.h"
+
+enum { PATCH_VERTICES = 4096 };
+
+/* A vertex of a patch: from the pair's point, and across its normal. */
+struct patch_vertex {
+    double at[3], across[2], weight;
+    int is_in;
+};
+
+/* The vector area of a triangle, twice. */
+static inline void area_of(const double *a, const double *b, const double *c, double area[3])
+{
+    double e[3], f[3];
+    for (int k = 0; k < 3; k++) {
+        e[k] = b[k] - a[k];
+        f[k] = c[k] - a[k];
+    }
+    cross3(e, f, area);
+}
+
+/*
+ * All vertices of the body, those of the patch at q with their shares: q is on a triangle of these corners, and the shares' mean
+ * lies beside it along n. NULL: it is the triangle's corners alone.
+ */
+const struct patch_vertex *patch_at(const struct tissue_rig *tissue, const struct tissue_body *body, const double q[3],
+                                    const double n[3], const uint32_t *corners);
+
+#endif
