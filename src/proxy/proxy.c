@@ -4,7 +4,7 @@
 #include "base/quaternion.h"
 #include "track/tool_parts.h"
 
-enum { BYTES_PROXY = 1608 };
+enum { BYTES_PROXY = 1584 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)

@@ -175,7 +175,7 @@ static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int i
     proxy->sticking = (uint16_t)from->sticking;
     proxy->slipping = (uint16_t)from->slipping;
     proxy->is_led = is_held && from->sticking + from->slipping > 0;
-    proxy->is_sliding = from->is_sliding;
+    proxy->is_sliding = from->is_sliding != 0;
 }
 
 /* rad: a tool that friction has turned farther from its device lets go there. */

@@ -193,15 +193,15 @@ struct proxy {
     struct displacement felt; /* the rest of it, in the last tick; 0: no force */
     struct fade fade;
     uint64_t folds;
-    uint32_t state;   /* PROXY_... */
-    uint32_t shape;   /* PROXY_BALL, ... */
-    uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
-    uint32_t is_held; /* it is not where the device is */
+    uint32_t flags;  /* DPT_FORCE_FLAG_... of this tick */
+    uint32_t reason; /* DPT_FORCE_... of this tick */
+    uint8_t state;   /* PROXY_... */
+    uint8_t shape;   /* PROXY_BALL, ... */
+    uint8_t is_held; /* it is not where the device is */
     /* A body that it remembers was removed or teleported since: its push ends at once. */
-    uint32_t is_released;
-    uint32_t reason;    /* DPT_FORCE_... of this tick */
-    uint32_t is_behind; /* a budget makes it wait, or the felt force has not caught up since */
-    uint32_t home_tick; /* of the pose at home */
+    uint8_t is_released;
+    uint8_t is_behind; /* a budget makes it wait, or the felt force has not caught up since */
+    uint8_t reserved[3];
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
     /* From here on a tick may change it although it stands still. */
@@ -220,16 +220,17 @@ struct proxy {
     double last_stored;
     uint16_t sticking; /* contacts with friction */
     uint16_t slipping;
-    uint32_t is_ended;   /* there was such a step since the world's last one */
-    uint32_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
-    uint32_t is_sliding; /* all contacts slid */
-    uint16_t has_home;
-    uint16_t has_been_inside;    /* since it left its home, by contact */
+    uint8_t is_ended;   /* there was such a step since the world's last one */
+    uint8_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
+    uint8_t is_sliding; /* all contacts slid */
+    uint8_t has_home;
     double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
     uint32_t clock;
-    uint32_t tick;     /* the world's, of its last step */
-    uint32_t is_still; /* the last tick left it as it was */
+    uint32_t tick;           /* the world's, of its last step */
+    uint32_t home_tick;      /* of the pose at home */
+    uint8_t is_still;        /* the last tick left it as it was */
+    uint8_t has_been_inside; /* since it left its home, by contact */
     /* The vector of the device's orientation in the last tick that it was there; its w is not below 0. */
     float free_turn[3];
     double body_path; /* m: of the world, in its last step */
