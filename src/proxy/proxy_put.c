@@ -49,11 +49,19 @@ void dpti_proxy_doubt_unseen_motion(const struct dpt_world *world, struct proxy 
     proxy->gap = -HUGE_VAL;
 }
 
+void dpti_proxy_note_free_turn(struct proxy *proxy, const dpt_pose *device)
+{
+    const double *turn = device->orientation, sign = turn[0] < 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < 3; k++)
+        proxy->free_turn[k] = (float)(sign * turn[1 + k]);
+}
+
 int dpti_proxy_is_near_free_turn(const struct proxy_tick *tick)
 {
     const struct proxy *proxy = tick->proxy;
     dpt_pose pose = tick->device.pose;
-    memcpy(pose.orientation, proxy->free_turn, sizeof pose.orientation);
+    const vec3 v = vec3_of_float(proxy->free_turn);
+    quaternion_store((struct quaternion){ sqrt(max_of(0.0, 1.0 - dot(v, v))), v }, pose.orientation);
     const struct proxy_pose last = dpti_proxy_pose_of(proxy, &pose);
     const struct displacement turned = dpti_proxy_displacement(proxy, &last, &tick->device);
     return length(turned.turn) < PROXY_TURN_MAX;
@@ -155,7 +163,7 @@ static int side_of_body(struct dpt_world *world, const struct tool *tool, const 
     if (is_after(body->added_tick, proxy->home_tick))
         return SIDE_ASKED;
     const int has_moved = is_after(body->moved_tick, proxy->home_tick);
-    const struct way way = { world, tool, &proxy->home, &proxy->pose, body };
+    const struct way way = { world, tool, &proxy->end, &proxy->pose, body };
     if (!has_moved && (proxy->state == PROXY_DOUBTED || way_is_free(&way)))
         return SIDE_KEPT;
     return (has_moved || proxy->has_been_inside) && has_inside(&body->surface) ? SIDE_ASKED : SIDE_LOST;
@@ -211,6 +219,8 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
     const int is_outside = side == SIDE_KEPT || (side == SIDE_ASKED && contact.is_outside);
     if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap)) {
         proxy->state = PROXY_OUTSIDE;
+        if (proxy->has_home)
+            proxy->end = proxy->pose;
         proxy->has_home = 0;
     } else if (!is_outside) {
         proxy->state = PROXY_PLACED;
