@@ -5,7 +5,7 @@
 #include "proxy/proxy_patch.h"
 #include "track/tool_parts.h"
 
-enum { BYTES_PROXY = 1728 };
+enum { BYTES_PROXY = 1584 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)
@@ -60,9 +60,10 @@ void dpti_proxy_leave(struct proxy *proxy)
 {
     if (proxy->has_home || proxy->state < PROXY_DOUBTED)
         return;
-    proxy->home = proxy->pose;
+    proxy->end = proxy->pose;
     proxy->home_tick = proxy->tick;
     proxy->has_home = 1;
+    proxy->has_been_inside = 0;
 }
 
 /* A body goes, by its id: forget its triangles, and what friction keeps of it. A proxy that it held is released. */

@@ -49,11 +49,19 @@ void dpti_proxy_doubt_unseen_motion(const struct dpt_world *world, struct proxy 
     proxy->gap = -HUGE_VAL;
 }
 
+void dpti_proxy_note_free_turn(struct proxy *proxy, const dpt_pose *device)
+{
+    const double *turn = device->orientation, sign = turn[0] < 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < 3; k++)
+        proxy->free_turn[k] = (float)(sign * turn[1 + k]);
+}
+
 int dpti_proxy_is_near_free_turn(const struct proxy_tick *tick)
 {
     const struct proxy *proxy = tick->proxy;
     dpt_pose pose = tick->device.pose;
-    memcpy(pose.orientation, proxy->free_turn, sizeof pose.orientation);
+    const vec3 v = vec3_of_float(proxy->free_turn);
+    quaternion_store((struct quaternion){ sqrt(max_of(0.0, 1.0 - dot(v, v))), v }, pose.orientation);
     const struct proxy_pose last = dpti_proxy_pose_of(proxy, &pose);
     const struct displacement turned = dpti_proxy_displacement(proxy, &last, &tick->device);
     return length(turned.turn) < PROXY_TURN_MAX;
@@ -144,8 +152,8 @@ static int is_after(uint32_t tick, uint32_t other)
 enum { SIDE_KEPT, SIDE_ASKED, SIDE_LOST };
 
 /*
- * On a body that was added since, home had no side. One that has moved since may have passed by: contact tells only where
- * it has an inside.
+ * On a body that was added since, home had no side. One that has moved since may have passed by. Of one with an inside contact
+ * tells then; and of one in the way from home, once the tool has been inside.
  */
 static int side_of_body(struct dpt_world *world, const struct tool *tool, const struct body *body)
 {
@@ -154,10 +162,11 @@ static int side_of_body(struct dpt_world *world, const struct tool *tool, const 
         return SIDE_KEPT;
     if (is_after(body->added_tick, proxy->home_tick))
         return SIDE_ASKED;
-    if (is_after(body->moved_tick, proxy->home_tick))
-        return has_inside(&body->surface) ? SIDE_ASKED : SIDE_LOST;
-    const struct way way = { world, tool, &proxy->home, &proxy->pose, body };
-    return proxy->state == PROXY_DOUBTED || way_is_free(&way) ? SIDE_KEPT : SIDE_LOST;
+    const int has_moved = is_after(body->moved_tick, proxy->home_tick);
+    const struct way way = { world, tool, &proxy->end, &proxy->pose, body };
+    if (!has_moved && (proxy->state == PROXY_DOUBTED || way_is_free(&way)))
+        return SIDE_KEPT;
+    return (has_moved || proxy->has_been_inside) && has_inside(&body->surface) ? SIDE_ASKED : SIDE_LOST;
 }
 
 /* The same of all bodies. */
@@ -204,11 +213,14 @@ void dpti_proxy_settle(struct dpt_world *world, struct tool *tool)
         return;
     const int side = side_kept(world, tool);
     const struct contact_side contact = contact_side_of(world, tool);
+    proxy->has_been_inside |= contact.is_known && !contact.is_outside;
     if (side == SIDE_ASKED && !contact.is_known)
         return;
     const int is_outside = side == SIDE_KEPT || (side == SIDE_ASKED && contact.is_outside);
     if (is_outside && (proxy->state == PROXY_DOUBTED || proxy->gap >= proxy->min_gap)) {
         proxy->state = PROXY_OUTSIDE;
+        if (proxy->has_home)
+            proxy->end = proxy->pose;
         proxy->has_home = 0;
     } else if (!is_outside) {
         proxy->state = PROXY_PLACED;

@@ -17,6 +17,9 @@ void dpti_proxy_put_again(struct proxy_tick *tick);
 /* If bodies moved in a tick in which the tool was not stepped, it is not known any more what is round the proxy. */
 void dpti_proxy_doubt_unseen_motion(const struct dpt_world *world, struct proxy *proxy);
 
+/* The proxy is with its device, which is turned like that. */
+void dpti_proxy_note_free_turn(struct proxy *proxy, const dpt_pose *device);
+
 /*
  * Whether the device has turned by at most 1 rad since its proxy was with it last. While it has, no turn of the proxy is
  * a reason to put it.

@@ -358,7 +358,7 @@ static void find_goal(struct proxy_tick *tick)
         const struct proxy_pose end = dpti_proxy_pose_of(proxy, &proxy->end);
         tick->goal = dpti_proxy_moved(proxy, &end, &proxy->end_motion);
     }
-    if (!proxy->is_ended) {
+    if (!proxy->is_ended && !proxy->has_home) {
         proxy->end = proxy->pose;
         memset(&proxy->end_motion, 0, sizeof proxy->end_motion);
         proxy->is_sliding = 0;
@@ -440,7 +440,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     const struct displacement away = dpti_proxy_displacement(proxy, &tick.device, &tick.at);
     proxy->is_held = displacement_norm(&proxy->coupling, &away) > HELD * tick.min_gap;
     if (!proxy->is_held)
-        memcpy(proxy->free_turn, tool->pose.orientation, sizeof proxy->free_turn);
+        dpti_proxy_note_free_turn(proxy, &tool->pose);
     proxy->is_still =
         is_unchanged && is_done && !proxy->is_behind && proxy->tip_motion == 0.0 && stood_still(&before, proxy);
 }

@@ -172,10 +172,10 @@ static void note_felt(const struct tissue_solve *solve, const struct tissue_tool
 static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int is_held)
 {
     proxy->is_ended = 1;
-    proxy->sticking = from->sticking;
-    proxy->slipping = from->slipping;
+    proxy->sticking = (uint16_t)from->sticking;
+    proxy->slipping = (uint16_t)from->slipping;
     proxy->is_led = is_held && from->sticking + from->slipping > 0;
-    proxy->is_sliding = from->is_sliding;
+    proxy->is_sliding = from->is_sliding != 0;
 }
 
 /* rad: a tool that friction has turned farther from its device lets go there. */

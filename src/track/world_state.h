@@ -193,50 +193,41 @@ struct proxy {
     struct displacement felt; /* the rest of it, in the last tick; 0: no force */
     struct fade fade;
     uint64_t folds;
-    uint32_t state;   /* PROXY_... */
-    uint32_t shape;   /* PROXY_BALL, ... */
-    uint32_t flags;   /* DPT_FORCE_FLAG_... of this tick */
-    uint32_t is_held; /* it is not where the device is */
-    /* A body that it remembers was removed or teleported since: its push ends at once. */
-    uint32_t is_released;
-    uint32_t reason;    /* DPT_FORCE_... of this tick */
-    uint32_t is_behind; /* a budget makes it wait, or the felt force has not caught up since */
-    uint32_t reserved;
+    uint32_t flags;      /* DPT_FORCE_FLAG_... of this tick */
+    uint32_t reason;     /* DPT_FORCE_... of this tick */
+    uint8_t state;       /* PROXY_... */
+    uint8_t shape;       /* PROXY_BALL, ... */
+    uint8_t is_held;     /* it is not where the device is */
+    uint8_t is_released; /* a body that it remembers was removed or teleported: its push ends at once */
+    uint8_t is_behind;   /* a budget makes it wait, or the felt force has not caught up since */
+    uint8_t reserved[3];
     struct proxy_triangle memory[PROXY_MEMORY];
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
     /* From here on a tick may change it although it stands still. */
     struct displacement last_felt; /* that of the last tick, and where the device was in it */
     dpt_pose last_device_pose;
     /*
-     * Where it was at the end of its last step together with tissue (src/tissue), and its motion in that; without such a
-     * step since the world's last one, where the proxy was before that.
+     * The end of its last step with tissue (src/tissue), and its motion in that; without one since the world's last
+     * step, where it was before that. While it is put or doubted, its home: from there it has a side of each surface.
      */
     dpt_pose end;
     struct displacement end_motion;
-    struct displacement pushed; /* what pushed it there, over the stiffness: with a damper not what is felt */
-    struct displacement last_pushed;
-    double stored; /* J, then by surfaces that yield */
-    double last_stored;
-    uint32_t sticking; /* contacts with friction */
-    uint32_t slipping;
-    uint32_t is_ended;   /* there was such a step since the world's last one */
-    uint32_t is_led;     /* friction held it there, so the proxy follows that pose, not the device */
-    uint32_t is_sliding; /* all contacts slid */
-    uint32_t reserved_end;
+    struct displacement pushed,
+        last_pushed;             /* what pushed it there, over the stiffness: with a damper not what is felt */
+    double stored, last_stored;  /* J, then by surfaces that yield */
+    uint16_t sticking, slipping; /* contacts with friction */
+    uint8_t is_ended;            /* there was such a step since the world's last one */
+    uint8_t is_led;              /* friction held it there, so the proxy follows that pose, not the device */
+    uint8_t is_sliding, has_home;
     double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
     uint32_t clock;
-    uint32_t tick;     /* the world's, of its last step */
-    uint32_t is_still; /* the last tick left it as it was */
-    /*
-     * While it was put, or is doubted: where it was last before that, in which tick. From there it has a side of each
-     * surface.
-     */
-    dpt_pose home;
-    uint32_t has_home;
-    uint32_t home_tick;
-    double free_turn[4]; /* the device's orientation in the last tick that it was there */
-    double body_path;    /* m: of the world, in its last step */
+    uint32_t tick;           /* the world's, of its last step */
+    uint32_t home_tick;      /* of the pose at home */
+    uint8_t is_still;        /* the last tick left it as it was */
+    uint8_t has_been_inside; /* since it left its home, by contact */
+    float free_turn[3];      /* of the device's orientation, w >= 0, when the proxy was there last */
+    double body_path;        /* m: of the world, in its last step */
 };
 
 /* The nearest pair over all bodies, and what is proven about it. */

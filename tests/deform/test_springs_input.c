@@ -103,7 +103,7 @@ static void structs_are_taken_as_far_as_they_go(void)
 {
     const dpt_springs_def good = def_of(DPT_INTEGRATOR_IMPLICIT);
     const struct sized def = { "dpt_springs_def", sizeof good, sizeof good, create_sized };
-    const struct sized report = { "dpt_springs_info", sizeof(dpt_springs_info), sizeof(dpt_springs_info),
+    const struct sized report = { "dpt_springs_info", offsetof(dpt_springs_info, result), sizeof(dpt_springs_info),
                                   report_sized };
     dpt_springs_def defaults;
     dpt_springs_def_init(&defaults);

@@ -8,15 +8,12 @@
 
 #define RADIUS 0.004 /* m, of the ball */
 
-static int open_world(struct soft_scene *scene)
+static int open_world(struct soft_scene *scene, uint32_t law)
 {
     const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, RADIUS };
-    const struct force_options options = { .law = DPT_LAW_PROXY, .stiffness = 100.0, .friction = NAN };
-    dpt_world_def def = rig_def(DPT_LAW_PROXY);
+    const struct force_options options = { .law = law, .stiffness = 100.0, .friction = NAN };
+    dpt_world_def def = rig_def(law);
     def.max_bodies = scene->bodies.count;
-    /* Surfaces that yield are not solved together with a tool: loads move the tissue, as where physics is elsewhere. */
-    for (uint32_t i = 0; i < scene->bodies.count; i++)
-        scene->bodies.body[i].settings.stiffness = 1e9;
     if (!rig_open(&scene->rig, &def, NULL, &ball, 1))
         return 0;
     dpt_result result = scene_bodies_add(&scene->bodies, scene->rig.world, &options);
@@ -26,12 +23,12 @@ static int open_world(struct soft_scene *scene)
     return result == DPT_OK;
 }
 
-int soft_scene_open(struct soft_scene *scene, const char *name, double rate)
+int soft_scene_open(struct soft_scene *scene, const char *name, double rate, uint32_t law)
 {
     struct file_identity identity = { .bytes = 0 };
     memset(scene, 0, sizeof *scene);
     if (scene_bodies_of_list(&scene->bodies, "test", scene_listed(name), &identity) ||
-        (rate > 0.0 && scene_physics_choose(&scene->bodies, "test", name, rate)) || !open_world(scene)) {
+        (rate > 0.0 && scene_physics_choose(&scene->bodies, "test", name, rate)) || !open_world(scene, law)) {
         CHECK(0, "%s at %g Hz does not open", name, rate);
         return 0;
     }

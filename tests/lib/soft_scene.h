@@ -16,10 +16,10 @@ struct soft_scene {
 };
 
 /*
- * Physics at this rate, Hz, for which vertices move smoothly; 0: in each tick. Returns 0 after a failed check. Close it in
- * any case.
+ * The ball is felt by that law. Physics at this rate, Hz, for which vertices move smoothly; 0: in each tick. Returns 0
+ * after a failed check. Close it in any case.
  */
-int soft_scene_open(struct soft_scene *scene, const char *name, double rate);
+int soft_scene_open(struct soft_scene *scene, const char *name, double rate, uint32_t law);
 void soft_scene_close(struct soft_scene *scene);
 
 /* The ball goes down by so much from where it touches, m. */

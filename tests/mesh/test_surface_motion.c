@@ -85,11 +85,14 @@ static void check_leaf(const struct moving_mesh *moving, uint32_t leaf)
     const float *rows = moving->motion.leaves + (size_t)leaf * MESH_LEAF_WORDS;
     for (uint32_t i = 0; i < LANES && leaf * LANES + i < surface_triangles(surface); i++)
         for (uint32_t k = 0; k < 3; k++) {
-            const uint32_t vertex = surface_corner(surface, leaf * LANES + i, k);
-            const vec3 v = scaled(sub(surface_vertex(surface, vertex), surface->filter_centre), surface->filter_scale);
-            CHECK((double)rows[(3 * k) * LANES + i] == v.x && (double)rows[(3 * k + 1) * LANES + i] == v.y &&
-                      (double)rows[(3 * k + 2) * LANES + i] == v.z,
-                  "corner %u of triangle %u is old", k, leaf * LANES + i);
+            double x[3], centre[3];
+            vec3_store(surface_vertex(surface, surface_corner(surface, leaf * LANES + i, k)), x);
+            vec3_store(surface->filter_centre, centre);
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                const float offset = (float)(x[axis] - centre[axis]);
+                CHECK(rows[(3 * k + axis) * LANES + i] == (float)((double)offset * surface->filter_scale),
+                      "corner %u of triangle %u is old", k, leaf * LANES + i);
+            }
         }
 }
 

@@ -21,7 +21,7 @@ struct soft {
 static int open_soft(struct soft *soft, const char *name, double rate)
 {
     memset(soft, 0, sizeof *soft);
-    if (!soft_scene_open(&soft->scene, name, rate))
+    if (!soft_scene_open(&soft->scene, name, rate, DPT_LAW_PROXY))
         return 0;
     const dpt_result result = scene_physics_open(&soft->physics, &soft->scene.bodies, rate);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));

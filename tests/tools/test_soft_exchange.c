@@ -23,10 +23,10 @@ static struct scene_body *body_of(struct soft *soft)
     return &soft->scene.bodies.body[0];
 }
 
-static int open_soft(struct soft *soft, const char *name, double rate)
+static int open_soft(struct soft *soft, const char *name, double rate, uint32_t law)
 {
     memset(soft, 0, sizeof *soft);
-    if (!soft_scene_open(&soft->scene, name, rate))
+    if (!soft_scene_open(&soft->scene, name, rate, law))
         return 0;
     const dpt_result result = soft_exchange_open(&soft->exchange, body_of(soft)->mesh, MAX_POINTS);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
@@ -94,7 +94,7 @@ static void sums_are_the_tools_force(void)
     for (int n = 0; n < 2; n++) {
         struct soft soft;
         uint32_t loads_most = 0;
-        for (int tick = open_soft(&soft, names[n], 500.0) ? 0 : TICKS; tick < TICKS; tick++) {
+        for (int tick = open_soft(&soft, names[n], 500.0, DPT_LAW_PROXY) ? 0 : TICKS; tick < TICKS; tick++) {
             lead(&soft, tick);
             haptic_tick(&soft);
             if (tick % 2 == 0)
@@ -116,7 +116,8 @@ static void vertices_arrive(void)
     for (int n = 0; n < 2; n++) {
         struct soft soft;
         int arrived = 0, under_way = 0;
-        for (int tick = open_soft(&soft, "laparoscopy", 1000.0 / periods[n]) ? 0 : TICKS; tick < TICKS; tick++) {
+        for (int tick = open_soft(&soft, "laparoscopy", 1000.0 / periods[n], DPT_LAW_PROXY) ? 0 : TICKS; tick < TICKS;
+             tick++) {
             uint32_t count = 0;
             lead(&soft, tick);
             const int is_new = haptic_tick(&soft);
@@ -163,7 +164,9 @@ static void is_as_with_the_world(void)
         struct soft soft;
         struct soft_scene with;
         double off = 0.0, moved = 0.0;
-        const int is_open = open_soft(&soft, names[n], 1000.0) & soft_scene_open(&with, names[n], 0.0);
+        /* What a proxy holds is solved together with the tissue in the world, and not where physics is elsewhere. */
+        const int is_open =
+            open_soft(&soft, names[n], 1000.0, DPT_LAW_POINT) & soft_scene_open(&with, names[n], 0.0, DPT_LAW_POINT);
         for (int tick = is_open ? 0 : TICKS; tick < TICKS; tick++) {
             lead(&soft, tick);
             haptic_tick(&soft);
@@ -185,7 +188,7 @@ static void sleep_is_quiet(void)
 {
     struct soft soft;
     int tick = 0, awake = 1;
-    if (open_soft(&soft, "laparoscopy", 1000.0)) {
+    if (open_soft(&soft, "laparoscopy", 1000.0, DPT_LAW_PROXY)) {
         for (; tick < TICKS; tick++) {
             lead(&soft, tick);
             haptic_tick(&soft);

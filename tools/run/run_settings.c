@@ -112,8 +112,8 @@ int run_coupling_find(const struct scene *scene, const dpt_device_info *device, 
 /*
  * An upright tool stands up to UPRIGHT_FORCE, N, if its stiffness against turns is that times half of its length
  * (docs/algorithms/force.md). With UPRIGHT_MARGIN times as much a hand's lean grows threefold at most. A share of
- * UPRIGHT_PRICE of the stiffness is given for that, at most, and nothing of one that was asked for; it is found in so
- * many halvings.
+ * UPRIGHT_PRICE of the stiffness is given for that, at most; it is found in so many halvings. Where a stiffness is asked
+ * for, the tool's shape gives that against turns.
  */
 #define UPRIGHT_FORCE  10.0
 #define UPRIGHT_MARGIN 1.5
@@ -123,8 +123,7 @@ enum { UPRIGHT_HALVINGS = 6 };
 /* The stiffness against turns that holds an upright tool, or as much of it as the device can hold at that price. */
 static int hold_upright(const struct scene *scene, dpt_coupling_def *def, dpt_coupling *coupling)
 {
-    const int is_as_asked = coupling->limit == DPT_COUPLING_ASKED;
-    const double least = (is_as_asked ? 1.0 : 1.0 - UPRIGHT_PRICE) * coupling->stiffness;
+    const double least = (1.0 - UPRIGHT_PRICE) * coupling->stiffness;
     double low = coupling->stiffness * def->rho * def->rho,
            high = UPRIGHT_MARGIN * UPRIGHT_FORCE * sqrt(3.0) * def->rho;
     if (!(coupling->stable_turn > 0.0) || !(low < high))
@@ -152,7 +151,7 @@ int run_coupling_choose(struct scene *scene, const dpt_device_info *device, cons
     const int is_asked = !isnan(options->stiffness);
     dpt_coupling_def def = coupling_def_of(scene, device, options);
     if (find_coupling(scene, &def, coupling) ||
-        (scene->force.law == DPT_LAW_PROXY && !scene->planned && hold_upright(scene, &def, coupling)))
+        (!is_asked && scene->force.law == DPT_LAW_PROXY && !scene->planned && hold_upright(scene, &def, coupling)))
         return 2;
     /* A stiffness of 0 is asked for by those who want no force. */
     if (is_asked && (options->is_unstable || options->stiffness == 0.0)) {
