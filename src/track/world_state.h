@@ -450,7 +450,6 @@ struct dpt_world {
     struct suspended_search *suspended_searches; /* two per segment */
     struct distance_bound *distance_bounds;      /* per segment and body slot */
     struct point_cache point_cache;
-
     struct motion_backlog *motion_backlogs; /* per segment */
     struct persistent_contacts contacts[2]; /* this tick's and last tick's */
     struct segment_strip *segment_strips;   /* per segment; only with strips */
