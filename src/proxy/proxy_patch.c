@@ -13,7 +13,7 @@ typedef char patch_fits[sizeof(struct proxy_patch) <= BYTES_PATCH ? 1 : -1];
 #define SPARE_LEAST 0.25
 
 /* After a list could not be made, none is tried for so many ticks. */
-enum { CROWDED_TICKS = 8 };
+enum { CROWDED_MOTIONS = 8 };
 
 /* Units of work that a look may take, so that it is not begun with less; and how many bodies it may pass. */
 enum { LOOK_WORK = 512, BODIES_MAX = 16 };
@@ -39,13 +39,20 @@ static int is_same(vec3 a, vec3 b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* Whether the tool is where the last look found nothing to do. */
-static int is_still(const struct proxy_tick *tick, const struct segment *segment, const struct body *body,
-                    const struct proxy_patch *patch)
+/* Whether the tool is where it was when the patch was left to searches; else that is where it is now. */
+static int was_left_here(const struct proxy_tick *tick, const struct segment *segment, const struct body *body,
+                         struct proxy_patch *patch)
 {
     const vec3 a = frame_to_local(&body->frame, frame_to_world(&tick->at.frame, segment->a));
     const vec3 b = frame_to_local(&body->frame, frame_to_world(&tick->at.frame, segment->b));
-    return patch->body_id == body->id && is_same(a, patch->still_a) && is_same(sub(b, a), patch->still_u);
+    if (patch->body_id == body->id && is_same(a, patch->still_a) && is_same(sub(b, a), patch->still_u))
+        return 1;
+    if (!patch->crowded)
+        return 0;
+    patch->still_a = a;
+    patch->still_u = sub(b, a);
+    patch->crowded--;
+    return 1;
 }
 
 void dpti_patch_leave(struct patch_view *view)
@@ -64,8 +71,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape == PROXY_BENT || tick->is_before ||
         tick->proxy->state != PROXY_OUTSIDE || !(tick->gap >= 0.5 * tick->min_gap) || patch->is_off ||
         world->def.method != DPT_METHOD_EXACT || world->body_slot_end > BODIES_MAX || !body || !body_is_there(body) ||
-        body->surface.motion || body_has_moved(world, body) || (int32_t)(world->ticks - patch->crowded) < 0 ||
-        is_still(tick, segment, body, patch))
+        body->surface.motion || body_has_moved(world, body) || was_left_here(tick, segment, body, patch))
         return 0;
     view->patch = patch;
     view->segment = segment;
@@ -332,7 +338,9 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
         double within = reach;
         for (; !list_all(world, view, within); within *= 0.5)
             if (view->count < view->most || within < 2.0 * near || !view->is_ball) {
-                view->patch->crowded = world->ticks + CROWDED_TICKS;
+                view->patch->crowded = CROWDED_MOTIONS;
+                view->patch->body_id = view->body->id;
+                dpti_patch_leave(view);
                 return 0;
             }
     } else if (moved > 0.0) {

@@ -13,11 +13,11 @@ enum { PATCH_BLOCKS = 1, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MA
 /* The leaves, with their boxes as children of a node of their own. Kept from tick to tick; one a segment. */
 struct proxy_patch {
     vec3 a, b;             /* the axis about which it lies, in the body's frame */
-    vec3 still_a, still_u; /* the axis where a tick found nothing to do: it was left to searches that know its pair */
+    vec3 still_a, still_u; /* the axis where a tick found nothing to do, or no list: it was left to searches there */
     double reach;          /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
     uint32_t body_id;      /* the body, which does not deform */
     uint32_t count;        /* of leaves */
-    uint32_t crowded;      /* no list could be made: it is tried again in that tick of the world */
+    uint32_t crowded;      /* no list could be made: it is tried again after so many motions */
     uint32_t is_off;       /* 1: it is not used, as a test wants */
     double spare;          /* what was found beside what was asked for, as a multiple of the reach */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
