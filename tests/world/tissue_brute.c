@@ -34,6 +34,14 @@ void brute_close(struct brute *brute)
 
 /* ---- pairs ---- */
 
+/* m/N: of a body's own surface; 0: it is hard. */
+static double yields_of(const struct brute *brute, uint32_t b)
+{
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_get_settings(brute->tissue->rig.world, brute->tissue->body[b].id, &settings);
+    return settings.stiffness > 0.0 ? 1.0 / settings.stiffness : 0.0;
+}
+
 static void add_node(struct brute_pair *pair, uint32_t node, double weight)
 {
     uint32_t i = 0;
@@ -108,7 +116,7 @@ static void add_pair(struct brute *brute, uint32_t t, uint32_t b, const double p
     struct brute_pair pair = { .tool = t, .body = b };
     double arm[3], turn[3], centre[6], weight[3], moved[3] = { 0.0, 0.0, 0.0 };
     const double distance = apart(p, q);
-    if (!(distance - radius < BRUTE_NEAR))
+    if (!(distance - radius < BRUTE_NEAR + BRUTE_PUSH * yields_of(brute, b)))
         return;
     find_weights(q, v, weight);
     for (int k = 0; k < 9; k++)
@@ -278,14 +286,10 @@ static double response_of(const struct tissue_body *body, uint32_t node, double 
 static double yield_of(const struct brute *brute, const struct brute_pair *a, const struct brute_pair *b)
 {
     const double thickness = 2.0 * brute->tissue->tool[a->tool].segment.radius;
-    dpt_body_settings settings = { .size = sizeof settings };
     if (a->tool != b->tool || a->body != b->body)
         return 0.0;
-    dpt_body_get_settings(brute->tissue->rig.world, brute->tissue->body[a->body].id, &settings);
-    if (!(settings.stiffness > 0.0))
-        return 0.0;
     const double near = fmax(1.0 - apart(a->q, b->q) / thickness, 0.0);
-    return near * near * dot3(a->n, b->n) / settings.stiffness;
+    return near * near * dot3(a->n, b->n) * yields_of(brute, a->body);
 }
 
 static void make_matrix(struct brute *brute, double h)
@@ -533,6 +537,8 @@ static void push_tool(struct brute *brute, const struct brute_pair *pair, double
         wrench->force[k] += share * pair->push * pair->n[k];
         wrench->torque[k] += share * pair->push * torque[k];
     }
+    CHECK(!(yields_of(brute, pair->body) > 0.0) || length3(wrench->force) <= BRUTE_PUSH, "%g N",
+          length3(wrench->force));
     for (int k = 0; k < 6; k++)
         brute->way[pair->tool][k] += pair->push * pair->row[k] / brute->tissue->tool[pair->tool].stiffness;
 }

@@ -18,8 +18,9 @@
 
 enum { BRUTE_PAIRS = 384, BRUTE_NODES = 192, BRUTE_ROOM = 3 * TISSUE_ROOM };
 
-/* m: pairs are as near to the proxy as that. */
+/* m: pairs are as near to the proxy as that. Where a body's own surface yields, a tool that pushes it by so much, N, is met. */
 #define BRUTE_NEAR 5e-4
+#define BRUTE_PUSH 10.0
 
 struct brute_pair {
     uint32_t tool, body, count; /* of nodes */
