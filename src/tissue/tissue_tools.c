@@ -19,12 +19,27 @@ static int tool_can_be_solved(const struct dpt_world *world, const struct tool *
            tool->stiffness > 0.0;
 }
 
-static struct tissue_body *solved_body(struct tissue_solve *solve, const struct body *body)
+static const struct tissue_body *solved_body(const struct tissue_solve *solve, const struct body *body)
 {
     for (uint32_t i = 0; i < solve->body_count; i++)
         if (solve->bodies[i].body == body)
             return &solve->bodies[i];
     return NULL;
+}
+
+/*
+ * s: after which a body's surface is where rows should hold: at the end of a substep, in the mean of all substeps; with
+ * EULER at the end of the one after it.
+ */
+static double ahead_of(const struct tissue_solve *solve, const struct tissue_body *body)
+{
+    const int is_euler = body->step.springs->def.integrator == DPT_INTEGRATOR_EULER;
+    uint32_t substeps = 1;
+    for (uint32_t b = 0; b < solve->body_count; b++) {
+        const uint32_t own = dpti_springs_substeps_of(solve->bodies[b].step.springs, solve->dt);
+        substeps = own > substeps ? own : substeps;
+    }
+    return solve->dt * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
 }
 
 /* The touches of a tool and the bodies of the solve, or the other bodies. */
@@ -33,7 +48,10 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
     struct dpt_world *world = search->world;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         search->body = &world->bodies[i];
-        if (body_is_there(search->body) && !is_solved == !solved_body(solve, search->body))
+        const struct tissue_body *solved = solved_body(solve, search->body);
+        search->springs = solved ? solved->step.springs : NULL;
+        search->ahead = solved ? ahead_of(solve, solved) : 0.0;
+        if (body_is_there(search->body) && !is_solved == !solved)
             dpti_touches_gather(search, &solve->touches);
     }
 }
@@ -80,7 +98,12 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     const uint32_t first = solve->touches.count;
     const struct proxy *proxy = proxy_of(world, tool);
     struct tissue_tool *made = &solve->tools[solve->tool_count];
-    struct touch_search search = { world, tool, proxy, &made->at, NULL, reach + motion_of(tool, proxy), &solve->work };
+    struct touch_search search = { .world = world,
+                                   .tool = tool,
+                                   .proxy = proxy,
+                                   .at = &made->at,
+                                   .reach = reach + motion_of(tool, proxy),
+                                   .work = &solve->work };
     *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
                                   .is_sliding = proxy->is_sliding,
                                   .proxy = proxy,
@@ -372,7 +395,9 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
 static double gather_at(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
                         const struct proxy_pose *at, double reach)
 {
-    struct touch_search search = { world, tool, proxy_of(world, tool), at, NULL, reach, &solve->work };
+    struct touch_search search = {
+        .world = world, .tool = tool, .proxy = proxy_of(world, tool), .at = at, .reach = reach, .work = &solve->work
+    };
     double least = HUGE_VAL;
     solve->room.count = 0;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {

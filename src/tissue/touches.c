@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "deform/spring_state.h"
 #include "hull/hull_triangle.h"
 #include "nearest/bvh.h"
 #include "nearest/pair_features.h"
@@ -15,6 +16,9 @@
 /* The sine of an angle: features of a tip that are not nearest after such a turn cannot hold it. */
 #define LEAN_MAX 0.3
 
+/* The share of a tool's radius that a surface is foreseen to move at most: on which side it lies must stay known. */
+#define AHEAD_MAX 0.25
+
 /* A part of the tool, in the body's frame. */
 struct touching_part {
     const struct touch_search *search;
@@ -25,7 +29,37 @@ struct touching_part {
     double radius, clearance;
     vec3 a, u;              /* of a segment */
     struct hull_place hull; /* of a tip */
+    vec3 v[3], moved[3]; /* corners of the triangle where they are foreseen, and how far that is from where they are */
 };
+
+/* How far a vertex is foreseen to move. */
+static vec3 foreseen_motion(const struct touching_part *part, uint32_t vertex)
+{
+    const struct dpt_springs *springs = part->search->springs;
+    const struct spring_vertices *vertices = &springs->vertices;
+    const struct spring_slice *state = springs->state[springs->now];
+    const double most = AHEAD_MAX * part->radius;
+    vec3 moved = { 0.0, 0.0, 0.0 };
+    for (size_t k = 4 * (size_t)vertex; k < 4 * (size_t)vertex + (vertices->nodes ? 4 : 1); k++) {
+        const uint32_t node = vertices->nodes ? vertices->nodes[k] : vertex, lane = node % LANES;
+        const float *v = state[node / LANES].v + lane;
+        const double weight = vertices->nodes ? (double)vertices->weights[k] : 1.0;
+        moved =
+            along(moved, weight * part->search->ahead, (vec3){ (double)v[0], (double)v[LANES], (double)v[2 * LANES] });
+    }
+    const double way = length(moved);
+    return way > most ? scaled(moved, most / way) : moved;
+}
+
+static void set_corners(struct touching_part *part)
+{
+    const struct surface *surface = &part->search->body->surface;
+    surface_corners(surface, part->triangle, part->v);
+    for (uint32_t k = 0; k < 3 && part->search->springs; k++) {
+        part->moved[k] = foreseen_motion(part, surface_corner(surface, part->triangle, k));
+        part->v[k] = add(part->v[k], part->moved[k]);
+    }
+}
 
 static int has_twin(const struct touches *touches, const struct touch *touch)
 {
@@ -71,20 +105,25 @@ static void add_pair(const struct touching_part *part, uint32_t feature, vec3 q,
     const struct touch_search *search = part->search;
     const struct frame *frame = &search->body->frame;
     const double distance = length(gap);
-    if (!(distance > 0.0 && distance - part->radius <= search->reach))
+    vec3 moved = { 0.0, 0.0, 0.0 };
+    for (int k = 0; k < 3; k++)
+        moved = along(moved, weight[k], part->moved[k]);
+    const double farther = distance > 0.0 ? dot(gap, moved) / distance : 0.0;
+    /* A surface that leaves the tool touches it still. */
+    if (!(distance > 0.0 && distance + min_of(farther, 0.0) - part->radius <= search->reach))
         return;
     struct touch touch = { .tool_slot = (uint32_t)(search->tool - search->world->tools),
                            .part = part->part,
                            .body_id = search->body->id,
                            .triangle = part->triangle,
                            .feature = feature,
-                           .at = frame_to_world(frame, q),
+                           .at = frame_to_world(frame, sub(q, moved)),
                            .normal = frame_turn(frame, scaled(gap, 1.0 / distance)),
                            .weight = { weight[0], weight[1], weight[2] },
-                           .gap = distance - part->radius - part->clearance };
+                           .gap = distance - part->radius - part->clearance + farther };
     if (has_twin(part->touches, &touch))
         return;
-    dpti_touch_lever(search->proxy, search->at, part->axes, frame_to_world(frame, add(q, gap)), touch.normal,
+    dpti_touch_lever(search->proxy, search->at, part->axes, along(touch.at, distance, touch.normal), touch.normal,
                      touch.row);
     put(part->touches, &touch);
 }
@@ -93,15 +132,15 @@ static void add_of_hull(void *user, const struct hull_pair *found)
 {
     const struct touching_part *part = user;
     const double *weight = found->pair.weight;
-    vec3 v[3];
-    surface_corners(&part->search->body->surface, part->triangle, v);
+    const vec3 *v = part->v;
     if (dpti_hull_pair_is_local(&part->hull, v, found, LEAN_MAX))
         add_pair(part, found->feature, along(along(scaled(v[0], weight[0]), weight[1], v[1]), weight[2], v[2]),
                  found->pair.gap, weight);
 }
 
-static void add_of_segment(const struct touching_part *part, const vec3 v[3])
+static void add_of_segment(const struct touching_part *part)
 {
+    const vec3 *v = part->v;
     const int features = part->search->proxy->shape == PROXY_BALL ? 1 : PAIR_FEATURES;
     for (int feature = 0; feature < features; feature++) {
         pair found, on_triangle;
@@ -125,12 +164,12 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
     const double reach = search->reach + part->radius + (tip ? tip->hull->reach : 0.0);
     dpti_range_begin(&range, surface, &search->world->kernel, part->a, part->u, reach, &work);
     while ((part->triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE) {
-        vec3 v[3];
-        surface_corners(surface, part->triangle, v);
+        set_corners(part);
         if (tip)
-            dpti_hull_features(&part->hull, v, search->reach + part->radius, add_of_hull, part);
+            dpti_hull_features(&part->hull, part->v, search->reach + (1.0 + AHEAD_MAX) * part->radius, add_of_hull,
+                               part);
         else
-            add_of_segment(part, v);
+            add_of_segment(part);
         work_spend(&work, pairs);
     }
     work_spend(search->work, work.done);

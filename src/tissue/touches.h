@@ -21,7 +21,7 @@ struct touch {
     vec3 at;                      /* the point on the surface, in the world */
     vec3 normal;                  /* unit, in the world, towards the tool */
     double weight[3];             /* of the triangle's corners at that point */
-    double gap;                   /* m, with the tool at its proxy: beyond the proxy's clearance */
+    double gap;                   /* m, with the tool at its proxy, by the row: beyond the proxy's clearance */
     double row[TOUCH_DIMENSIONS]; /* how the gap grows with the unknowns of the proxy's motion */
 };
 
@@ -32,14 +32,20 @@ struct touches {
     struct touch touch[TOUCHES_MAX];
 };
 
-/* What is gathered: the pairs of a tool at its proxy's pose and a body, within `reach`, m. */
+/*
+ * What is gathered: the pairs of a tool at its proxy's pose and a body, within `reach`, m. With `ahead`, s, the surface is
+ * taken where its speeds lead it in that time, but no farther than a share of the tool's radius. Gaps are those of the
+ * surface as it is, by the rows that hold there.
+ */
 struct touch_search {
     struct dpt_world *world;
     const struct tool *tool;
     const struct proxy *proxy;
     const struct proxy_pose *at;
     const struct body *body;
+    const struct dpt_springs *springs; /* of the body; NULL: nobody steps them here */
     double reach;
+    double ahead;
     struct work *work; /* what is looked at is counted, and bounded by nothing */
 };
 

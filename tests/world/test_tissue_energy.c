@@ -85,19 +85,26 @@ static double energy_between(const struct tissue_tool *tool, const double a[6], 
     return 0.5 * tool->stiffness * (shift * shift + turn * turn);
 }
 
-/* Where the spring ends that gives the wrench, whose levers are about the proxy, as the pairs' are. */
+/*
+ * Where the spring ends that gives the wrench, whose levers are about the proxy, as the pairs' are. About its own axis the
+ * tool does not turn: what pushes do about it, beside a surface that moves across, stretches no spring.
+ */
 static void find_end(const struct tissue_tool *tool, const struct axis *proxy, const double device[6], double end[6])
 {
     const dpt_wrench *wrench = &tool->force.wrench;
+    const double square = dot3(proxy->half, proxy->half);
     double arm[3], torque[3];
     for (int k = 0; k < 3; k++)
         arm[k] = tool->device.position[k] - proxy->middle[k];
     cross3(arm, wrench->force, torque);
+    for (int k = 0; k < 3; k++)
+        torque[k] += wrench->torque[k];
+    const double spin = square > 0.0 ? dot3(torque, proxy->half) / square : 0.0;
     for (int k = 0; k < 3; k++) {
         end[k] = device[k] + wrench->force[k] / tool->stiffness;
         end[3 + k] = device[3 + k];
         if (tool->rho > 0.0)
-            end[3 + k] += (torque[k] + wrench->torque[k]) / (tool->stiffness * tool->rho);
+            end[3 + k] += (torque[k] - spin * proxy->half[k]) / (tool->stiffness * tool->rho);
     }
 }
 
@@ -107,10 +114,10 @@ static void read_nodes(const struct tissue_body *body, double *at)
         tissue_node(body, i, at + 3 * i);
 }
 
-/* The surface before a step, and its nodes before and after it. */
+/* The surface before a step, how far it is foreseen to move, and its nodes before and after it. */
 struct surface {
     float vertex[ROOM];
-    double from[ROOM], to[ROOM];
+    double ahead[ROOM], from[ROOM], to[ROOM];
 };
 
 /*
@@ -141,9 +148,9 @@ static double received_by(const struct tissue_rig *tissue, const struct surface 
     return sum;
 }
 
-/* How a point of a triangle, by its source number, went in the step. */
+/* A point of a triangle, by its source number: how far it is foreseen to move, and how it went in the step. */
 static void point_motion(const struct tissue_body *body, const struct surface *surface, uint32_t number,
-                         const double q[3], double motion[3])
+                         const double q[3], double ahead[3], double motion[3])
 {
     const uint32_t *corners, *numbers, *nodes;
     const float *weights;
@@ -158,7 +165,7 @@ static void point_motion(const struct tissue_body *body, const struct surface *s
     for (int k = 0; k < 3; k++) {
         e[k] = v[1][k] - v[0][k];
         f[k] = v[2][k] - v[0][k];
-        motion[k] = 0.0;
+        ahead[k] = motion[k] = 0.0;
     }
     cross3(e, f, normal);
     for (uint32_t i = 0; i < 3; i++) {
@@ -170,6 +177,8 @@ static void point_motion(const struct tissue_body *body, const struct surface *s
         }
         cross3(e, f, part);
         const double weight = dot3(part, normal) / dot3(normal, normal);
+        for (uint32_t k = 0; k < 3; k++)
+            ahead[k] += weight * surface->ahead[3 * vertex + k];
         for (uint32_t m = 0; m < (nodes ? 4u : 1u); m++) {
             const uint32_t node = nodes ? nodes[4 * vertex + m] : vertex;
             const double share = weight * (nodes ? (double)weights[4 * vertex + m] : 1.0);
@@ -218,15 +227,18 @@ static struct begun begun_of(const struct tissue_rig *tissue, const double last[
     CHECK(count <= 64, "%u loads", count);
     for (uint32_t i = 0; i < count && i < 64; i++) {
         const double push = length3(loads[i].force), *q = loads[i].point;
-        double arm[3], swing[3], normal[3], motion[3] = { 0.0, 0.0, 0.0 };
+        double arm[3], swing[3], normal[3], ahead[3], motion[3], foreseen[3];
         for (int k = 0; k < 3; k++) {
             arm[k] = q[k] - proxy->middle[k];
             normal[k] = loads[i].force[k] / push;
         }
         cross3(last + 3, arm, swing);
+        point_motion(&tissue->body[0], surface, loads[i].triangle, q, ahead, motion);
+        for (int k = 0; k < 3; k++)
+            foreseen[k] = q[k] + ahead[k];
+        double gap = distance_along(proxy, foreseen, normal) - kept + dot3(normal, ahead) + dot3(normal, last);
         if (tissue->body[0].integrator == DPT_INTEGRATOR_EULER)
-            point_motion(&tissue->body[0], surface, loads[i].triangle, q, motion);
-        double gap = distance_along(proxy, q, normal) - kept + dot3(normal, last) - dot3(normal, motion);
+            gap -= dot3(normal, motion);
         if (tool->rho > 0.0)
             gap += dot3(normal, swing) / tool->rho;
         begun.all += push * (gap - (1.0 - RECOVERED) * fmin(gap, 0.0));
@@ -273,6 +285,7 @@ static void play(struct tissue_rig *tissue, uint64_t *seed, int ticks, struct se
         const struct axis device = axis_at(tool, &tool->device), last = axis_at(tool, &left);
         const float *vertices = tissue_vertices(tissue, &tissue->body[0], &count);
         memcpy(surface.vertex, vertices, 3 * count * sizeof *vertices);
+        tissue_foresee(tissue, &tissue->body[0], 1, tool->segment.radius, surface.ahead);
         dpt_tool_get_proxy(tissue->rig.world, tool->id, &pose);
         tissue_rig_step_springs(tissue);
         if (tissue->result != DPT_OK)
@@ -338,13 +351,13 @@ static int make_game(struct tissue_rig *tissue, uint64_t *seed, double substeps,
     return add_all(tissue, &def, seed);
 }
 
-/* Tissue that is damped, and that may sleep. */
-static int make_round(struct tissue_rig *tissue, uint64_t game, uint64_t *seed, double load_radius)
+/* Tissue that is damped, and that may sleep, and over which loads may be spread. */
+static int make_round(struct tissue_rig *tissue, uint64_t game, uint64_t *seed)
 {
     struct tissue_def def = game & 1 ? tissue_sheet() : tissue_ball();
     def.integrator = game & 2 ? DPT_INTEGRATOR_EULER : DPT_INTEGRATOR_SYMPLECTIC;
     def.sleeps = (int)(game & 4);
-    def.load_radius = load_radius;
+    def.load_radius = game & 8 ? random_in(seed, 0.01, 0.05) : 0.0;
     return add_all(tissue, &def, seed);
 }
 
@@ -447,23 +460,61 @@ static void go_round(struct tissue_rig *tissue, uint64_t *seed, double *emitted,
     CHECK(!(length3(last.force) > 0.0), "%g N at the end", length3(last.force));
 }
 
-static void closed_paths_emit_nothing(void)
+/* The largest share of what the spring stored that a closed path emits, of rounds of a kind. */
+static double emitted_by(uint64_t games, int (*make)(struct tissue_rig *tissue, uint64_t game, uint64_t *seed),
+                         double allowed)
 {
     double worst = -HUGE_VAL;
-    for (uint64_t game = 0; game < part_of(64); game++) {
+    for (uint64_t game = 0; game < part_of(games); game++) {
         struct tissue_rig tissue;
         uint64_t seed = 7 + game;
         double emitted, peak;
         tissue_rig_open(&tissue);
-        if (make_round(&tissue, game, &seed, game & 8 ? random_in(&seed, 0.01, 0.05) : 0.0)) {
+        if (make(&tissue, game, &seed)) {
             go_round(&tissue, &seed, &emitted, &peak);
             CHECK(peak > 1e-9, "round %g: it stores %g J", (double)game, peak);
-            CHECK(emitted <= 1e-3 * peak, "round %g: emits %g J of %g J", (double)game, emitted, peak);
+            CHECK(emitted <= allowed * peak, "round %g: emits %g J of %g J", (double)game, emitted, peak);
             worst = fmax(worst, emitted / peak);
         }
         tissue_rig_close(&tissue);
     }
-    printf("    at most %.3g of the peak is emitted\n", worst);
+    return worst;
+}
+
+static void closed_paths_emit_nothing(void)
+{
+    printf("    at most %.3g of the peak is emitted\n", emitted_by(64, make_round, 1e-3));
+}
+
+/* A ball whose springs alone are damped, by so many seconds. */
+static int make_ball(struct tissue_rig *tissue, double viscosity, uint64_t *seed)
+{
+    struct tissue_def def = tissue_ball();
+    def.viscosity = viscosity;
+    def.drag = 0.0;
+    return add_all(tissue, &def, seed);
+}
+
+static int make_free(struct tissue_rig *tissue, uint64_t game, uint64_t *seed)
+{
+    (void)game;
+    return make_ball(tissue, 0.0, seed);
+}
+
+static int make_viscous(struct tissue_rig *tissue, uint64_t game, uint64_t *seed)
+{
+    (void)game;
+    return make_ball(tissue, 0.75 * tissue->rig.dt, seed);
+}
+
+/*
+ * A push acts on springs as they were at the beginning of a substep, and on the tool as the surface is at its end. Against
+ * that a viscosity of three quarters of a substep is enough.
+ */
+static void without_viscosity_closed_paths_emit_little(void)
+{
+    printf("    at most %.3g of the peak without viscosity", emitted_by(32, make_free, 0.035));
+    printf(", %.3g with 0.75 of a tick\n", emitted_by(32, make_viscous, 1e-3));
 }
 
 int main(int argc, char **argv)
@@ -473,5 +524,6 @@ int main(int argc, char **argv)
     TEST(with_substeps_it_receives_no_more_in_all);
     TEST(spread_loads_make_no_energy);
     TEST(closed_paths_emit_nothing);
+    TEST(without_viscosity_closed_paths_emit_little);
     return check_report();
 }

@@ -50,7 +50,7 @@ static int open_mesh(struct scene *scene, const struct load *load)
     const int is_sheet = load->kind == DPT_NET_SHEET;
     const dpt_spring_net_def net = { .size = sizeof net,
                                      .kind = load->kind,
-                                     .young = is_sheet ? 2e5 : 2e4,
+                                     .young = is_sheet ? 2e5 : 4e4,
                                      .thickness = is_sheet ? 5e-4 : 0.0,
                                      .density = is_sheet ? 400.0 : 1000.0,
                                      .drag = load->drag,

@@ -34,6 +34,14 @@ void brute_close(struct brute *brute)
 
 /* ---- pairs ---- */
 
+/* m/N: of a body's own surface; 0: it is hard. */
+static double yields_of(const struct brute *brute, uint32_t b)
+{
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_get_settings(brute->tissue->rig.world, brute->tissue->body[b].id, &settings);
+    return settings.stiffness > 0.0 ? 1.0 / settings.stiffness : 0.0;
+}
+
 static void add_node(struct brute_pair *pair, uint32_t node, double weight)
 {
     uint32_t i = 0;
@@ -62,17 +70,18 @@ static void add_vertex(const struct brute *brute, struct brute_pair *pair, uint3
 }
 
 /* Corners' weights at q, which is in the plane of the triangle, by areas. */
-static void take_corners(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+static void find_weights(const double q[3], double v[3][3], double weight[3])
 {
     double normal[3], part[3];
     area_of(v[0], v[1], v[2], normal);
     for (int i = 0; i < 3; i++) {
-        area_of(pair->q, v[(i + 1) % 3], v[(i + 2) % 3], part);
-        add_vertex(brute, pair, corners[i], dot3(part, normal) / dot3(normal, normal));
+        area_of(q, v[(i + 1) % 3], v[(i + 2) % 3], part);
+        weight[i] = dot3(part, normal) / dot3(normal, normal);
     }
 }
 
-static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, double v[3][3])
+/* A patch is that of the surface as it is, about the pair's point there; without one the corners take the load. */
+static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint32_t *corners, const double weight[3])
 {
     const struct tissue_body *body = &brute->tissue->body[pair->body];
     uint32_t vertices = 0;
@@ -81,43 +90,55 @@ static void find_nodes(struct brute *brute, struct brute_pair *pair, const uint3
     tissue_vertices(brute->tissue, body, &vertices);
     const struct patch_vertex *patch =
         body->load_radius > 0.0 ? patch_at(brute->tissue, body, pair->q, pair->n, corners) : NULL;
-    if (!patch) {
-        take_corners(brute, pair, corners, v);
-        return;
-    }
-    for (uint32_t i = 0; i < vertices; i++)
-        if (patch[i].is_in)
+    for (uint32_t i = 0; i < (patch ? vertices : 3); i++)
+        if (!patch)
+            add_vertex(brute, pair, corners[i], weight[i]);
+        else if (patch[i].is_in)
             add_vertex(brute, pair, i, patch[i].weight);
 }
 
-/* p on the tool, q on the triangle, both in the world. */
+void brute_without_spin(const struct brute *brute, uint32_t t, double turn[3])
+{
+    double ends[6], axis[3];
+    pose_ends(&brute->proxy[t], &brute->tissue->tool[t].segment, ends);
+    for (int k = 0; k < 3; k++)
+        axis[k] = ends[3 + k] - ends[k];
+    const double square = dot3(axis, axis), spin = square > 0.0 ? dot3(turn, axis) / square : 0.0;
+    for (int k = 0; k < 3 && !(brute->hull && t == 0); k++)
+        turn[k] -= spin * axis[k];
+}
+
+/* p on the tool, q on the triangle where it is foreseen, both in the world. */
 static void add_pair(struct brute *brute, uint32_t t, uint32_t b, const double p[3], const double q[3], double radius,
                      const uint32_t *corners, double v[3][3])
 {
     const struct tissue_tool *tool = &brute->tissue->tool[t];
     struct brute_pair pair = { .tool = t, .body = b };
-    double middle[3], arm[3], turn[3], centre[6];
+    double arm[3], turn[3], centre[6], weight[3], moved[3] = { 0.0, 0.0, 0.0 };
     const double distance = apart(p, q);
-    if (!(distance - radius < BRUTE_NEAR))
+    if (!(distance - radius < BRUTE_NEAR + BRUTE_PUSH * yields_of(brute, b)))
         return;
+    find_weights(q, v, weight);
+    for (int k = 0; k < 9; k++)
+        moved[k % 3] += weight[k / 3] * brute->moved[k / 3][k % 3];
     pose_ends(&brute->proxy[t], &tool->segment, centre);
     for (int k = 0; k < 3; k++) {
-        middle[k] = 0.5 * (centre[k] + centre[3 + k]);
-        pair.q[k] = q[k];
+        pair.q[k] = q[k] - moved[k];
         pair.n[k] = (p[k] - q[k]) / distance;
-        arm[k] = p[k] - middle[k];
+        arm[k] = p[k] - moved[k] - 0.5 * (centre[k] + centre[3 + k]);
     }
     for (uint32_t i = 0; i < brute->count; i++)
-        if (brute->pair[i].tool == t && brute->pair[i].body == b && apart(brute->pair[i].q, q) < 1e-11 &&
+        if (brute->pair[i].tool == t && brute->pair[i].body == b && apart(brute->pair[i].q, pair.q) < 1e-11 &&
             apart(brute->pair[i].n, pair.n) < 1e-9)
             return;
-    pair.gap = distance - radius - brute->clearance;
+    pair.gap = distance - radius - brute->clearance + dot3(pair.n, moved);
     cross3(arm, pair.n, turn);
+    brute_without_spin(brute, t, turn);
     for (int k = 0; k < 3; k++) {
         pair.row[k] = pair.n[k];
         pair.row[3 + k] = tool->rho > 0.0 ? turn[k] / tool->rho : 0.0;
     }
-    find_nodes(brute, &pair, corners, v);
+    find_nodes(brute, &pair, corners, weight);
     CHECK(brute->count < BRUTE_PAIRS, "too many pairs");
     if (brute->count < BRUTE_PAIRS)
         brute->pair[brute->count++] = pair;
@@ -183,27 +204,39 @@ static void pairs_of_tip(struct brute *brute, uint32_t b, const uint32_t *corner
             }
 }
 
+static void pairs_of_body(struct brute *brute, uint32_t b, uint32_t t)
+{
+    static double moved[BRUTE_ROOM];
+    const struct tissue_rig *tissue = brute->tissue;
+    const struct tissue_body *body = &tissue->body[b];
+    const int is_tip = t == 0 && brute->hull;
+    uint32_t vertices = 0, triangles;
+    const float *position = tissue_vertices(tissue, body, &vertices);
+    const uint32_t *corners = tissue_corners(body, &triangles);
+    memset(moved, 0, sizeof moved);
+    if (brute->substeps)
+        tissue_foresee(tissue, body, brute->substeps, is_tip ? brute->hull_radius : tissue->tool[t].segment.radius,
+                       moved);
+    for (uint32_t i = 0; i < triangles; i++) {
+        double v[3][3];
+        for (int k = 0; k < 9; k++) {
+            const uint32_t at = 3 * corners[3 * i + (uint32_t)k / 3] + (uint32_t)k % 3;
+            brute->moved[k / 3][k % 3] = moved[at];
+            v[k / 3][k % 3] = (double)position[at] + moved[at] + body->place[k % 3];
+        }
+        if (is_tip)
+            pairs_of_tip(brute, b, corners + 3 * i, v);
+        else
+            pairs_of_segment(brute, t, b, corners + 3 * i, v);
+    }
+}
+
 void brute_find_pairs(struct brute *brute)
 {
-    const struct tissue_rig *tissue = brute->tissue;
     brute->count = 0;
-    for (uint32_t b = 0; b < tissue->body_count; b++) {
-        const struct tissue_body *body = &tissue->body[b];
-        uint32_t vertices = 0, triangles;
-        const float *position = tissue_vertices(tissue, body, &vertices);
-        const uint32_t *corners = tissue_corners(body, &triangles);
-        for (uint32_t i = 0; i < triangles; i++) {
-            double v[3][3];
-            for (int k = 0; k < 9; k++)
-                v[k / 3][k % 3] =
-                    (double)position[3 * corners[3 * i + (uint32_t)k / 3] + (uint32_t)k % 3] + body->place[k % 3];
-            for (uint32_t t = 0; t < tissue->tool_count; t++)
-                if (t == 0 && brute->hull)
-                    pairs_of_tip(brute, b, corners + 3 * i, v);
-                else
-                    pairs_of_segment(brute, t, b, corners + 3 * i, v);
-        }
-    }
+    for (uint32_t b = 0; b < brute->tissue->body_count; b++)
+        for (uint32_t t = 0; t < brute->tissue->tool_count; t++)
+            pairs_of_body(brute, b, t);
 }
 
 void brute_way_to(const struct brute *brute, uint32_t t, const dpt_pose *pose, double way[6])
@@ -253,14 +286,10 @@ static double response_of(const struct tissue_body *body, uint32_t node, double 
 static double yield_of(const struct brute *brute, const struct brute_pair *a, const struct brute_pair *b)
 {
     const double thickness = 2.0 * brute->tissue->tool[a->tool].segment.radius;
-    dpt_body_settings settings = { .size = sizeof settings };
     if (a->tool != b->tool || a->body != b->body)
         return 0.0;
-    dpt_body_get_settings(brute->tissue->rig.world, brute->tissue->body[a->body].id, &settings);
-    if (!(settings.stiffness > 0.0))
-        return 0.0;
     const double near = fmax(1.0 - apart(a->q, b->q) / thickness, 0.0);
-    return near * near * dot3(a->n, b->n) / settings.stiffness;
+    return near * near * dot3(a->n, b->n) * yields_of(brute, a->body);
 }
 
 static void make_matrix(struct brute *brute, double h)
@@ -508,6 +537,8 @@ static void push_tool(struct brute *brute, const struct brute_pair *pair, double
         wrench->force[k] += share * pair->push * pair->n[k];
         wrench->torque[k] += share * pair->push * torque[k];
     }
+    CHECK(!(yields_of(brute, pair->body) > 0.0) || length3(wrench->force) <= BRUTE_PUSH, "%g N",
+          length3(wrench->force));
     for (int k = 0; k < 6; k++)
         brute->way[pair->tool][k] += pair->push * pair->row[k] / brute->tissue->tool[pair->tool].stiffness;
 }
@@ -552,7 +583,9 @@ void brute_solve_tick(struct brute *brute, uint32_t substeps)
         dpt_tool_get_proxy(tissue->rig.world, tissue->tool[t].id, &brute->proxy[t]);
         brute_way_to(brute, t, &end, brute->way[t]);
     }
+    brute->substeps = substeps;
     brute_find_pairs(brute);
+    brute->substeps = 0;
     make_matrix(brute, h);
     keep(tissue, whole, 0);
     brute_read_nodes(tissue, brute->begin);

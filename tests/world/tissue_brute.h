@@ -16,14 +16,15 @@
 #include "oracle/hull.h"
 #include "world/tissue_rig.h"
 
-enum { BRUTE_PAIRS = 384, BRUTE_NODES = 192, BRUTE_ROOM = 3 * 4096 };
+enum { BRUTE_PAIRS = 384, BRUTE_NODES = 192, BRUTE_ROOM = 3 * TISSUE_ROOM };
 
-/* m: pairs are as near to the proxy as that. */
+/* m: pairs are as near to the proxy as that. Where a body's own surface yields, a tool that pushes it by so much, N, is met. */
 #define BRUTE_NEAR 5e-4
+#define BRUTE_PUSH 10.0
 
 struct brute_pair {
     uint32_t tool, body, count; /* of nodes */
-    double q[3], n[3], gap;     /* at the proxy, beyond the clearance; n from q towards the tool */
+    double q[3], n[3], gap;     /* at the proxy, beyond the clearance, by the row; n from q towards the tool */
     double row[6];              /* how the gap grows with a shift, and with a turn times rho */
     uint32_t node[BRUTE_NODES];
     double weight[BRUTE_NODES], response[BRUTE_NODES]; /* m/N */
@@ -35,7 +36,9 @@ struct brute {
     struct tissue_rig *tissue;
     const struct oracle_hull *hull; /* of the first tool; NULL: it is its segment */
     double hull_radius;
-    double clearance; /* m */
+    double clearance;   /* m */
+    uint32_t substeps;  /* pairs are of surfaces as these are foreseen; 0: as they are */
+    double moved[3][3]; /* m: how far the corners of a triangle are foreseen to move */
     dpt_pose proxy[TISSUE_TOOLS];
     double way[TISSUE_TOOLS][6]; /* from the proxy to where the last substep ended */
     uint32_t count;
@@ -62,6 +65,9 @@ void brute_solve_pairs(struct brute *brute);
 /* Where all nodes are, and where EULER's speeds lead them in a substep more: a load moves nodes in the step after it. */
 void brute_read_nodes(const struct tissue_rig *tissue, double *at);
 void brute_add_speeds(const struct tissue_rig *tissue, double h, double *at);
+
+/* Without what is about a segment's own axis: it has no turn there, and no spring. */
+void brute_without_spin(const struct brute *brute, uint32_t tool, double turn[3]);
 
 /* The shift of the tool's centre, and its turn times rho, from the proxy to a pose. */
 void brute_way_to(const struct brute *brute, uint32_t tool, const dpt_pose *pose, double way[6]);

@@ -222,6 +222,32 @@ const uint32_t *tissue_corners(const struct tissue_body *body, uint32_t *triangl
     return mesh_words(body->mesh.mesh, MESH_TRIANGLES);
 }
 
+void tissue_foresee(const struct tissue_rig *tissue, const struct tissue_body *body, uint32_t substeps, double radius,
+                    double *moved)
+{
+    static float positions[3 * TISSUE_ROOM], speeds[3 * TISSUE_ROOM];
+    const double ends = body->integrator == DPT_INTEGRATOR_EULER ? 1.5 : 0.5;
+    const double ahead = tissue->rig.dt * (0.5 + ends / substeps);
+    const uint32_t *nodes;
+    const float *weights;
+    uint32_t vertices, embedded;
+    tissue_vertices(tissue, body, &vertices);
+    memset(moved, 0, 3 * vertices * sizeof *moved);
+    if (!body->springs)
+        return;
+    dpt_mesh_get_embedding(body->mesh.mesh, &nodes, &weights, &embedded);
+    dpt_springs_get_nodes(body->springs, dpt_springs_get_count(body->springs), positions, speeds);
+    for (uint32_t i = 0; i < vertices; i++, moved += 3) {
+        for (uint32_t m = 0; m < (nodes ? 4u : 1u); m++)
+            for (uint32_t k = 0; k < 3; k++)
+                moved[k] += ahead * (nodes ? (double)weights[4 * i + m] : 1.0) *
+                            (double)speeds[3 * (nodes ? nodes[4 * i + m] : i) + k];
+        const double way = length3(moved);
+        for (uint32_t k = 0; k < 3 && way > 0.25 * radius; k++)
+            moved[k] *= 0.25 * radius / way;
+    }
+}
+
 void tissue_node(const struct tissue_body *body, uint32_t node, double at[3])
 {
     const struct spring_slice *slice = body->springs->state[body->springs->now] + node / LANES;

@@ -17,7 +17,7 @@
 #include "lib/fixture.h"
 #include "lib/rig.h"
 
-enum { TISSUE_BODIES = 3, TISSUE_TOOLS = 2, TISSUE_LOADS = 1024 };
+enum { TISSUE_BODIES = 3, TISSUE_TOOLS = 2, TISSUE_LOADS = 1024, TISSUE_ROOM = 4096 };
 
 struct tissue_def {
     const char *shape; /* of `dynpoint make`: a sheet where it is the membrane, whose border is fixed; else a lattice */
@@ -93,6 +93,13 @@ void tissue_rig_tick(struct tissue_rig *tissue);
 /* Vertices as they are told, in the body's frame, and three corners a triangle. */
 const float *tissue_vertices(const struct tissue_rig *tissue, const struct tissue_body *body, uint32_t *count);
 const uint32_t *tissue_corners(const struct tissue_body *body, uint32_t *triangles);
+
+/*
+ * Before a step of the springs in so many substeps: how far each vertex is foreseen to move, 3 numbers each, m, where a tool
+ * of that radius looks for pairs: by its speed, to the mean end of the substeps, with EULER of those after them.
+ */
+void tissue_foresee(const struct tissue_rig *tissue, const struct tissue_body *body, uint32_t substeps, double radius,
+                    double *moved);
 
 /* A node in the body's frame, with what its floats have lost, m. */
 void tissue_node(const struct tissue_body *body, uint32_t node, double at[3]);
