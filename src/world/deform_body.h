@@ -3,6 +3,7 @@
 #ifndef DPT_DEFORM_BODY_H
 #define DPT_DEFORM_BODY_H
 
+#include "deform/spring_state.h"
 #include "track/deform_state.h"
 
 /*
@@ -17,8 +18,6 @@ void dpti_deform_reset(struct body *body);
 dpt_result dpti_deform_get_loads(const struct dpt_world *world, const struct body *body,
                                  int (*is_left_out)(const void *user, uint32_t tool_slot), const void *user,
                                  dpt_load *loads, uint32_t capacity, uint32_t *count);
-
-struct spring_vertices; /* deform/spring_state.h */
 
 /*
  * `count` vertices that were gathered from springs: 1 if the body's may be there, and its room is moved there. Then the
