@@ -131,14 +131,17 @@ async function checkWorld(core, meshes, limit) {
     await check(`${name} stays calm at its slider's end, ${stiffness} N/m: slowly pressed and led along`, () => {
       const choices = { law: DPT_LAW_PROXY, stiffness };
       const touch = new touchWorld.TouchWorld(core, meshes[name], scene, choices);
-      let [turned, jump, most] = [0, 0, 0];
+      let [turned, turnedAt, jump, most] = [0, -Infinity, 0, 0]; // turned: again within 20 ms; once is slipping off an edge
       let last = [0, 0, 0];
       for (let tick = 0; tick < 6000; tick++) {
         const down = Math.max(deepest, 0.01 - 5e-5 * tick);
         touch.device.want([0.04 * Math.sin(1e-3 * tick), touch.half[1] + down, 0.01]);
         const { force } = touch.step();
         const cosine = touch.force.reduce((sum, value, k) => sum + value * last[k], 0) / (force * Math.hypot(...last));
-        if (cosine < Math.cos(Math.PI / 6)) turned++;
+        if (cosine < Math.cos(Math.PI / 6)) {
+          if (tick - turnedAt < 20) turned++;
+          turnedAt = tick;
+        }
         jump = Math.max(jump, Math.hypot(...touch.force.map((value, k) => value - last[k])));
         most = Math.max(most, force);
         last = touch.force;
