@@ -104,9 +104,11 @@ int main(int argc, char **argv)
     must(!dpt_tool_add(world, &segment, 1, &tool) && !dpt_tool_get_settings(world, tool, &settings), "the tool");
     settings.lock_rotation = 1;
     must(!dpt_tool_set_settings(world, tool, &settings), "the tool's settings");
+    /* As the page: a report reads the hits, so their search is part of the step's work. */
+    dpt_step report = { .size = sizeof report };
     for (size_t tick = 0; tick < ticks; tick++) {
         memcpy(&pose, motion + POSE + SEGMENT + tick * POSE, sizeof pose);
-        must(!dpt_tool_set_pose(world, tool, &pose) && !dpt_world_step(world, DT, NULL), "a step");
+        must(!dpt_tool_set_pose(world, tool, &pose) && !dpt_world_step(world, DT, &report), "a step");
         must(!springs || !dpt_body_step_springs(world, body, springs, DT, NULL), "the springs' step");
         put_snapshot(world, springs && tick + 1 == ticks ? info.vertices : 0);
     }
