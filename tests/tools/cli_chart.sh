@@ -265,8 +265,10 @@ END
     check 'is felt by a proxy alone' test "$(grep -v '^#' tip.csv | cut -d, -f2,5 | sort -u)" = "$(printf 'force,proxy\npart,law')"
     check 'what judges it is held against brute force' grep -q '^# truth: .* 0 of [1-9][0-9]* wrong' tip.csv
     check 'its panels' test "$(grep -c 'class="panel"' tip.svg)" -eq 2
-    run chart sheet.json star.trace.csv --passes 1 -o torn
-    check "a trace that tears it: $(cat stderr)" test $status -eq 0
+    sed '$s/} ] } } \] }/} ] }, "physics": { "room": 0.01 } } ] }/' sheet.json >tight.json
+    check 'a sheet with little room' grep -q room tight.json
+    run chart tight.json star.trace.csv --passes 1 -o torn
+    check "a trace that pulls it out of its room: $(cat stderr)" test $status -eq 0
     check 'what judges it failed, too' test "$(cell torn.csv force 'proxy rigid' failure)" = DPT_E_FINITE
     check 'a row of it has all its cells' test "$(grep -v '^#' torn.csv | awk -F, '{ print NF }' | sort -u | wc -l)" -eq 1
     check 'and is not drawn' test "$(grep -c 'class="mark"' torn.svg)" -eq "$(grep -v '^#' torn.csv | awk -F, '

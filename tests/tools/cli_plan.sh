@@ -215,7 +215,9 @@ J
     check 'with fewer iterations than 8, or why not' grep -q '^  iterations ' stdout
     check 'in the file' json soft.json 'p["setting"]["rigid"] == []'
     check 'with no tick that ends early' json soft.json 'p["setting"]["budget"] == 4294967295'
-    check 'with room for 3 times the contacts' json soft.json 'p["setting"]["max_contacts"] == 3 * p["measured"]["contacts"] > 0'
+    # 3 times those of the first half of its trace; all that was measured had these or more.
+    check 'with room for 3 times the contacts' json soft.json \
+        '(r := p["setting"]["max_contacts"]) % 3 == 0 and 0 < p["measured"]["contacts"] <= r <= 3 * p["measured"]["contacts"]'
     check "and why: $(grep '^  budget' stdout)" grep -q '^  budget  *none  *of what gives way, ' stdout
     holds 'on another trace' --plan soft.json --seed 5 --ticks 3000
     succeeds 'run --plan' run --plan soft.json --device 'sim:?hand=press&rate=500' --ticks 300 --json
