@@ -105,4 +105,17 @@ static inline void pose_orient(dpt_pose *pose, const double axis[3], double angl
         pose->orientation[1 + k] = sin(angle / 2) * axis[k];
 }
 
+/* rad: the angle of the shorter turn. */
+static inline double pose_angle(const dpt_pose *from, const dpt_pose *to)
+{
+    const double *p = from->orientation, *q = to->orientation;
+    double same = 0.0, minus = 0.0, plus = 0.0;
+    for (int k = 0; k < 4; k++) {
+        same += p[k] * q[k];
+        minus += (p[k] - q[k]) * (p[k] - q[k]);
+        plus += (p[k] + q[k]) * (p[k] + q[k]);
+    }
+    return same < 0.0 ? 4.0 * atan2(sqrt(plus), sqrt(minus)) : 4.0 * atan2(sqrt(minus), sqrt(plus));
+}
+
 #endif

@@ -1,18 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "track/sheet_truth.h"
 
-double pose_angle(const dpt_pose *from, const dpt_pose *to)
-{
-    const double *p = from->orientation, *q = to->orientation;
-    double same = 0.0, minus = 0.0, plus = 0.0;
-    for (int k = 0; k < 4; k++) {
-        same += p[k] * q[k];
-        minus += (p[k] - q[k]) * (p[k] - q[k]);
-        plus += (p[k] + q[k]) * (p[k] + q[k]);
-    }
-    return same < 0.0 ? 4.0 * atan2(sqrt(plus), sqrt(minus)) : 4.0 * atan2(sqrt(minus), sqrt(plus));
-}
-
 dpt_pose pose_between(const dpt_pose *from, const dpt_pose *to, double t)
 {
     dpt_pose at;

@@ -28,9 +28,6 @@ static inline void unit_or_z(double v[3])
         v[k] = size > 0.0 ? v[k] / size : k == 2;
 }
 
-/* The angle of the shorter turn. */
-double pose_angle(const dpt_pose *from, const dpt_pose *to);
-
 /* Straight in position, the shorter turn in orientation, at even speed. */
 dpt_pose pose_between(const dpt_pose *from, const dpt_pose *to, double t);
 
