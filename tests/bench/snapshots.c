@@ -13,7 +13,7 @@
 #include "bench/timing.h"
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 static void fail(const char *what)
 {

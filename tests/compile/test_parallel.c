@@ -10,7 +10,7 @@
 #include "compile/compile_context.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);
 int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);

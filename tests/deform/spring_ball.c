@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "deform/spring_ball.h"
 
-#include "shape/shape.h"
+#include "host/shape.h"
 
 static void compile_ball(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing)
 {

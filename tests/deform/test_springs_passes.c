@@ -7,8 +7,8 @@
 
 #include "lib/check.h"
 #include "mesh/mesh_format.h"
-#include "scene/scene_bodies.h"
-#include "scene/scene_list.h"
+#include "host/scene_bodies.h"
+#include "host/scene_list.h"
 
 enum { STEPS = 16, LOADED_FROM = 2, LOADED_TO = 10, PASSES_ENOUGH = 64 };
 #define STEP 1e-3 /* s */
@@ -104,9 +104,10 @@ static void more_passes_change_nothing(void)
     static const char *const names[] = { "membrane", "cloth", "laparoscopy", "soft-liver" };
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         struct file_identity identity = { .bytes = 0 };
+        dpt_host_error error = { .size = sizeof error };
         struct scene_bodies bodies = { .count = 0 };
         struct spring_net net;
-        if (!scene_bodies_of_list(&bodies, "test", scene_listed(names[n]), &identity) &&
+        if (scene_bodies_of_list(&bodies, scene_listed(names[n]), &identity, &error) == DPT_OK &&
             mesh_spring_net(bodies.body[0].mesh, &net))
             compare(names[n], &bodies, &net);
         else

@@ -7,7 +7,7 @@
 #include "dynpoint/compile.h"
 #include "mesh/mesh_format.h"
 #include "oracle/spring_balance.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 #define PATCH 0.02 /* m */
 #define PUSH  0.3  /* N */

@@ -14,7 +14,7 @@
 #include "dynpoint/compile.h"
 #include "fuzz/target.h"
 #include "mesh/mesh_swap.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 };
 

@@ -12,7 +12,7 @@
 #include "dynpoint/compile.h"
 #include "lib/check.h"
 #include "mesh/mesh_format.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 struct file {
     unsigned char *bytes;

@@ -6,7 +6,7 @@
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
 #include "lib/check.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 struct fixture {
     dpt_compiled compiled;

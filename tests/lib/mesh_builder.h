@@ -11,7 +11,7 @@
 #include "dynpoint/compile.h"
 #include "dynpoint/kernel.h"
 #include "lib/check.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 #define PI 3.14159265358979323846
 

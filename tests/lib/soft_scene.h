@@ -4,7 +4,7 @@
 #define DPT_TESTS_SOFT_SCENE_H
 
 #include "lib/rig.h"
-#include "scene/scene_bodies.h"
+#include "host/scene_bodies.h"
 
 #define SOFT_TICK 1e-3 /* s */
 

@@ -9,7 +9,7 @@
 #include "lib/check.h"
 #include "lib/vector.h"
 #include "oracle/depth.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 struct solid {
     const char *name;

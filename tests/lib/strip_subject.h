@@ -10,7 +10,7 @@
 #include "dynpoint/strip.h"
 #include "lib/check.h"
 #include "oracle/surface.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 struct subject {
     char name[264];

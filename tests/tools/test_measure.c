@@ -9,7 +9,7 @@
 #include "lib/rig.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 enum { TICKS = 3000, SOFT_TICKS = 600 };
 #define RADIUS 0.002
@@ -33,9 +33,10 @@ static int open_scene(struct subject *subject, const char *path, uint32_t law, s
                              .radius = RADIUS,
                              .force = { .law = law, .friction = 0.0 } };
     const struct measure_hand hand = { .seed = 1, .ticks = ticks, .length = 0.1 };
-    const int is_open =
-        !scene_open(&subject->scene, &def) && !measure_trace_make(&subject->trace, &subject->scene, &hand);
-    CHECK(is_open, "%s does not open", path);
+    dpt_host_error error = { .size = sizeof error };
+    const int is_open = scene_open(&subject->scene, &def, &error) == DPT_OK &&
+                        !measure_trace_make(&subject->trace, &subject->scene, &hand);
+    CHECK(is_open, "%s does not open: %s", path, error.text);
     measure_setting_init(&subject->setting, &subject->scene);
     return is_open;
 }

@@ -3,7 +3,7 @@
  * Physics of soft bodies apart from the haptic loop: by the loop's time, to the bit in every run; and in a thread, which
  * stands still with the loop, ends in order, and holds a body that it cannot step in every tick.
  */
-#include "scene/scene_physics.h"
+#include "host/scene_physics.h"
 
 #include "cli/open_device.h"
 #include "clock.h"

@@ -6,7 +6,7 @@
 
 #include "base/sincos.h"
 #include "lib/check.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 static struct shape build(const char *name, uint64_t count, uint64_t seed)
 {

@@ -10,7 +10,7 @@
 #include "lib/fixture.h"
 #include "lib/rig.h"
 #include "oracle/pair.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 #define GRAVITY 9.81
 #define TICK    1e-3

@@ -18,7 +18,7 @@
 #include "lib/public_meshes.h"
 #include "lib/rig.h"
 #include "oracle/brute.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 static const char *data;
 static int soaking;

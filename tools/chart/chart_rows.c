@@ -9,7 +9,7 @@
 #include "base/return_if_error.h"
 #include "cli/command_options.h"
 #include "cli/law_name.h"
-#include "cli/setting_words.h"
+#include "host/setting_words.h"
 #include "clock.h"
 #include "run/replay_report.h"
 #include "shape/mesh_size.h"

@@ -7,7 +7,7 @@
 #define DPT_TOOLS_CHART_ROWS_H
 
 #include "measure/judgement.h"
-#include "scene/scene.h"
+#include "host/scene.h"
 
 enum { CHART_ROWS_MAX = 96, CHART_NAME = 48 };
 

@@ -7,6 +7,7 @@
 
 #include "built_with.h"
 #include "cli/json_text.h"
+#include "host/host_file.h"
 
 #ifdef DPT_HAS_URDF
 #include "dynpoint/urdf.h"
@@ -76,20 +77,12 @@ int compile_urdf(const char *path, const dpt_compile_def *mesh, const char *tool
 
 #endif
 
-int is_arm(const void *bytes, size_t size)
-{
-    return dpt_arm_verify(bytes, size, NULL) != DPT_E_MAGIC;
-}
-
 const dpt_arm *open_arm(const char *command, const char *path, void *bytes, size_t size)
 {
-    const dpt_arm *arm = NULL;
-    dpt_mesh_fault fault = { .size = sizeof fault };
-    dpt_result result = dpt_arm_convert(bytes, size, &fault);
-    if (result == DPT_OK)
-        result = dpt_arm_open(bytes, size, &arm);
-    if (result != DPT_OK)
-        complain(command, "%s: byte %" PRIu64 " (%s): %s", path, fault.byte, fault.section, dpt_result_text(result));
+    dpt_host_error error = { .size = sizeof error };
+    const dpt_arm *arm = host_file_open_arm(path, bytes, size, &error);
+    if (!arm)
+        complain(command, "%s", error.text);
     return arm;
 }
 

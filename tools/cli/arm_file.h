@@ -27,12 +27,7 @@ int compile_urdf(const char *path, const dpt_compile_def *mesh, const char *tool
 /* Print one line about a compiled arm. */
 void report_arm(FILE *file, const dpt_compiled *compiled, const char *out);
 
-/* 1 if the bytes are an arm, damaged or not; 0 for a mesh. */
-int is_arm(const void *bytes, size_t size);
-
-/*
- * Convert an arm to this machine's byte order and open it. NULL after a message that names the wrong byte and section.
- */
+/* Convert an arm to this machine's byte order and open it. NULL after a message. */
 const dpt_arm *open_arm(const char *command, const char *path, void *bytes, size_t size);
 
 void print_arm_text(const char *path, const dpt_arm *arm);

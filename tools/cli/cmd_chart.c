@@ -9,7 +9,8 @@
 #include "chart/chart_picture.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "cli/setting_words.h"
+#include "cli/scene_command.h"
+#include "host/setting_words.h"
 #include "measure/measure_setting.h"
 
 static const char help[] =
@@ -220,7 +221,7 @@ static int check_request(struct chart_request *request)
         return complain("chart", "--radius must be 0 to 1");
     if (!strcmp(request->name, "-") || strlen(request->name) + 20 > NAME_ROOM)
         return complain("chart", "-o takes a name, of %d files", FILES);
-    if (scene_def_complete(scene, NULL))
+    if (complete_scene_def(scene, NULL))
         return 2;
     request->stylus = is_mesh && !has_length ? 0.0 : scene->length;
     const char *const traces[] = { request->trace, NULL };
@@ -228,7 +229,7 @@ static int check_request(struct chart_request *request)
     for (int i = 0; status == 0 && i < FILES; i++) {
         snprintf(request->path[i], NAME_ROOM, "%s%s", request->name, endings[i]);
         status =
-            scene_def_check_output(scene, request->path[i]) || output_check("chart", request->path[i], traces) ? 2 : 0;
+            check_scene_output(scene, request->path[i]) || output_check("chart", request->path[i], traces) ? 2 : 0;
     }
     return status;
 }
@@ -263,9 +264,9 @@ int command_chart(int argc, char **argv)
         return complain("chart", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and -o NAME are needed (see --help)");
     request.scene.path = operand[0];
     request.trace = operand[1];
-    status = scene_def_read(&request.scene) || check_request(&request) ? 2 : 0;
+    status = read_scene_def(&request.scene) || check_request(&request) ? 2 : 0;
     if (status == 0) {
-        status = scene_open(&scene, &request.scene);
+        status = open_scene(&scene, &request.scene);
         if (status == 0)
             status = chart(&request, &scene);
         scene_close(&scene);

@@ -7,6 +7,7 @@
 #include "cli/arm_file.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "host/host_file.h"
 #include "shape/mesh_size.h"
 
 static const char help[] =
@@ -157,7 +158,7 @@ static int verify(const char *path)
     if (!bytes)
         return 2;
     dpt_result result =
-        is_arm(bytes, size) ? dpt_arm_convert(bytes, size, &fault) : dpt_mesh_convert(bytes, size, &fault);
+        host_file_is_arm(bytes, size) ? dpt_arm_convert(bytes, size, &fault) : dpt_mesh_convert(bytes, size, &fault);
     if (result == DPT_OK)
         printf("%s: sound, %zu bytes\n", path, size);
     else
@@ -192,7 +193,7 @@ int command_info(int argc, char **argv)
         return 2;
     const dpt_mesh *mesh = NULL;
     const dpt_arm *arm = NULL;
-    if (is_arm(bytes, size))
+    if (host_file_is_arm(bytes, size))
         arm = open_arm("info", path, bytes, size);
     else
         mesh = open_mesh("info", path, bytes, size);

@@ -9,7 +9,10 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "cli/force_check.h"
+#include "cli/scene_command.h"
 #include "dynpoint/identify.h"
+#include "host/host_coupling.h"
 #include "measure/measure_setting.h"
 #include "plan/plan_file.h"
 #include "plan/plan_report.h"
@@ -114,7 +117,7 @@ static int read_options(int argc, char **argv, struct plan_options *options, str
         return status;
     if (operands != 1)
         return complain("plan", "a scene, SCENE.json or MESH.dpa is needed (see --help)");
-    if (read_bounds(options, plan, stiffness) || scene_def_read(scene) || scene_def_complete(scene, options->law))
+    if (read_bounds(options, plan, stiffness) || read_scene_def(scene) || complete_scene_def(scene, options->law))
         return 2;
     if (force_options_check("plan", &scene->force))
         return 2;
@@ -123,7 +126,7 @@ static int read_options(int argc, char **argv, struct plan_options *options, str
     const char *const outputs[] = { options->out, options->header };
     const char *const inputs[] = { options->trace ? options->trace : scene->path, options->device, NULL };
     for (int i = 0; i < 2; i++)
-        if (outputs[i] && (scene_def_check_output(scene, outputs[i]) || output_check("plan", outputs[i], inputs)))
+        if (outputs[i] && (check_scene_output(scene, outputs[i]) || output_check("plan", outputs[i], inputs)))
             return 2;
     if (options->out && options->header && !strcmp(options->out, options->header))
         return complain("plan", "-o and --header name the same file");
@@ -158,6 +161,7 @@ static int choose_stiffness(struct plan *plan, const struct scene *scene, const 
     dpt_device_info info = { .size = sizeof info };
     dpt_device_error error = { .size = sizeof error };
     dpt_coupling coupling;
+    dpt_host_error said = { .size = sizeof said };
     plan->setting.world.stiffness = isnan(asked) ? STIFFNESS_USUAL : asked;
     if (!device)
         return 0;
@@ -167,8 +171,8 @@ static int choose_stiffness(struct plan *plan, const struct scene *scene, const 
     const struct coupling_options options = { .stiffness = asked,
                                               .gain_margin = PLAN_GAIN_MARGIN,
                                               .rate = plan->asked.rate,
-                                              .loop_delay = RUN_LOOP_DELAY_PERIODS / plan->asked.rate };
-    if (run_coupling_find(scene, &info, &options, &coupling))
+                                              .loop_delay = HOST_LOOP_DELAY_PERIODS / plan->asked.rate };
+    if (complain_of("plan", host_coupling_find(scene, &info, &options, &coupling, &said), &said))
         return 2;
     if (!isnan(asked) && coupling.limit != DPT_COUPLING_ASKED) {
         say_limit(&coupling, asked);
@@ -253,7 +257,7 @@ static int make_plan(const struct plan_options *options, struct plan *plan, doub
     struct plan_search search;
     struct plan_text limit;
     memset(&search, 0, sizeof search);
-    int status = scene_open(&scene, &options->scene);
+    int status = open_scene(&scene, &options->scene);
     if (status == 0) {
         measure_setting_init(&plan->setting, &scene);
         plan->setting.dt = 1.0 / plan->asked.rate;

@@ -12,7 +12,7 @@
 #include "dynpoint/device.h"
 #include "record/recording_embed.h"
 #include "record/recording_file.h"
-#include "scene/tip_shape.h"
+#include "host/tip_shape.h"
 
 static const char help[] =
     "usage: dynpoint record info FILE.dpr [--json]\n"

@@ -10,8 +10,9 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "cli/force_options.h"
-#include "cli/setting_words.h"
+#include "cli/force_check.h"
+#include "cli/scene_command.h"
+#include "host/setting_words.h"
 #include "clock.h"
 #include "csv.h"
 #include "dynpoint/baseline.h"
@@ -363,7 +364,7 @@ static int read_tips(struct replay_settings *settings, const struct option_texts
 {
     const dpt_world_def *def = &settings->def;
     const int has_proxy = settings->force.law == DPT_LAW_PROXY;
-    if (tip_shapes_of_options(&settings->tool.tips, "replay", tips))
+    if (read_tip_shapes(&settings->tool.tips, "replay", tips))
         return 2;
     const int is_felt = has_proxy || (def->until == DPT_UNTIL_RESPOND && tip_shapes_are_curved(&settings->tool.tips));
     if (tips->count && (def->method != DPT_METHOD_EXACT || settings->against >= 0 || !is_felt))

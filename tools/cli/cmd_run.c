@@ -8,6 +8,7 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/open_device.h"
+#include "cli/scene_command.h"
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "plan/plan_trace.h"
@@ -15,7 +16,7 @@
 #include "record/run_record.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
-#include "scene/scene_trouble.h"
+#include "host/scene_trouble.h"
 #include "view/run_view.h"
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
@@ -282,6 +283,26 @@ static int know_device(dpt_device *device, const char *identified, dpt_device_in
     return 0;
 }
 
+/* As stiff as the device can hold; says why where that is less than was asked for. Returns 0, or 2 after a message. */
+static int choose_coupling(struct scene *scene, const dpt_device_info *info, const struct coupling_options *options,
+                           dpt_coupling *coupling)
+{
+    dpt_host_error error = { .size = sizeof error };
+    const dpt_result result = host_coupling_choose(scene, info, options, coupling, &error);
+    if (error.text[0])
+        complain("run", "%s", error.text);
+    return result == DPT_OK ? 0 : 2;
+}
+
+/* Returns 0, or 2 after a message. */
+static int check_step(const struct scene *scene, const char *path, double rate)
+{
+    dpt_host_error error = { .size = sizeof error };
+    const dpt_result result =
+        scene_bodies_check_step(&scene->bodies, path, run_physics_step(scene, rate), &error);
+    return complain_of("run", result, &error);
+}
+
 /* The coupling that this device can hold, and a world for it. Returns 0, or 2 after a message. */
 static int couple(struct session *session, const struct run_settings *settings, const dpt_device_info *info,
                   double rate)
@@ -289,7 +310,7 @@ static int couple(struct session *session, const struct run_settings *settings, 
     struct scene *scene = &session->scene;
     struct coupling_options coupling = settings->coupling;
     coupling.rate = rate;
-    coupling.loop_delay = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : RUN_LOOP_DELAY_PERIODS / rate;
+    coupling.loop_delay = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : HOST_LOOP_DELAY_PERIODS / rate;
     coupling.loop_delay += run_physics_delay(scene);
     session->budget = settings->budget == RUN_BUDGET_BY_RATE ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
                                                              : (uint32_t)settings->budget;
@@ -299,9 +320,8 @@ static int couple(struct session *session, const struct run_settings *settings, 
     const int is_recorded = settings->record && !run_is_traced(settings);
     scene->shows_contacts = settings->view.is_on || is_recorded || scene->force.law != DPT_LAW_PROXY;
     return run_physics_check(scene, info, is_recorded) ||
-                   run_coupling_choose(scene, info, &coupling, &session->coupling) ||
-                   scene_make_world(scene, info, session->budget) ||
-                   scene_bodies_check_step(&scene->bodies, "run", settings->scene.path, run_physics_step(scene, rate))
+                   choose_coupling(scene, info, &coupling, &session->coupling) ||
+                   make_scene_world(scene, info, session->budget) || check_step(scene, settings->scene.path, rate)
                ? 2
                : 0;
 }
@@ -335,8 +355,8 @@ static int run_loop(struct session *session, const struct run_settings *settings
 {
     int status = run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path, hand);
     if (status == 0 && settings->record && !run_is_traced(settings))
-        status = run_record_open(&session->recording, settings->record, &session->scene, &settings->scene, hand,
-                                 session->budget);
+        status = run_record_open(&session->recording, settings->record, &session->scene, &settings->scene,
+                                 settings->plan_path ? &settings->plan.setting : NULL, hand, session->budget);
     if (status == 0)
         status = run_physics_start(&session->scene, hand->rate);
     if (status == 0) {
@@ -397,7 +417,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
 /* Returns 0, or 2 after a message. */
 static int take_plan(struct scene *scene, const struct run_settings *settings)
 {
-    scene->planned = &settings->plan.setting;
+    scene->planned = &settings->plan.setting.world;
     measure_setting_change(&settings->plan.setting, &scene->bodies);
     return plan_scene_check(&settings->plan, scene, settings->plan_path);
 }
@@ -405,7 +425,7 @@ static int take_plan(struct scene *scene, const struct run_settings *settings)
 static int run(const struct run_settings *settings)
 {
     struct session session = { .contacts = 0 };
-    int status = scene_open(&session.scene, &settings->scene);
+    int status = open_scene(&session.scene, &settings->scene);
     if (status == 0 && settings->plan_path)
         status = take_plan(&session.scene, settings);
     if (status == 0)

@@ -10,8 +10,9 @@
 #include "cli/compile_options.h"
 #include "cli/open_device.h"
 #include "dynpoint/compile.h"
+#include "host/host_file.h"
 #include "record/recording_file.h"
-#include "scene/scene_list.h"
+#include "host/scene_list.h"
 #include "view/view_recording.h"
 #include "view/view_scene.h"
 #include "view/view_serve.h"
@@ -145,7 +146,7 @@ static int is_scene(const char *path)
         return 0;
     size_t size;
     void *bytes = load_file("view", path, &size);
-    const int is_one = bytes ? is_arm(bytes, size) : -1;
+    const int is_one = bytes ? host_file_is_arm(bytes, size) : -1;
     free(bytes);
     return is_one;
 }

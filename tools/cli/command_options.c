@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "host/host_file.h"
 #include "text/parse_number.h"
 
 int complain(const char *command, const char *format, ...)
@@ -22,6 +23,15 @@ int complain(const char *command, const char *format, ...)
     va_end(arguments);
     fputc('\n', stderr);
     return 2;
+}
+
+int complain_of(const char *command, dpt_result result, const dpt_host_error *error)
+{
+    if (result != DPT_OK)
+        return complain(command, "%s", error->text);
+    if (error->text[0])
+        fprintf(stderr, "%s\n", error->text);
+    return 0;
 }
 
 static const struct option_def *find_option(const char *name, const struct option_def *options, size_t count)
@@ -203,52 +213,19 @@ void meter_show(struct meter *meter, const char *what, double done)
 
 void *load_file(const char *command, const char *path, size_t *size)
 {
-    unsigned char *bytes = NULL;
-    size_t capacity = 0, got = 1;
-    FILE *file = strcmp(path, "-") ? fopen(path, "rb") : stdin;
-    if (!file) {
-        complain(command, "%s: cannot be opened: %s", path, strerror(errno));
-        return NULL;
-    }
-    *size = 0;
-    while (got) {
-        if (*size + 1 >= capacity) {
-            size_t new_capacity = capacity ? 2 * capacity : (size_t)1 << 16;
-            void *grown;
-            if (posix_memalign(&grown, 64, new_capacity))
-                break;
-            if (bytes)
-                memcpy(grown, bytes, *size);
-            free(bytes);
-            bytes = grown;
-            capacity = new_capacity;
-        }
-        got = fread(bytes + *size, 1, capacity - *size - 1, file);
-        *size += got;
-    }
-    int failed = ferror(file) || got;
-    int reason = got ? ENOMEM : errno;
-    if (file != stdin)
-        fclose(file);
-    if (failed) {
-        complain(command, "%s: cannot be read: %s", path, strerror(reason));
-        free(bytes);
-        return NULL;
-    }
-    bytes[*size] = 0;
+    dpt_host_error error = { .size = sizeof error };
+    void *bytes = host_file_load(path, size, &error);
+    if (!bytes)
+        complain(command, "%s", error.text);
     return bytes;
 }
 
 const dpt_mesh *open_mesh(const char *command, const char *path, void *bytes, size_t size)
 {
-    const dpt_mesh *mesh = NULL;
-    dpt_mesh_fault fault = { .size = sizeof fault };
-    dpt_result result = dpt_mesh_convert(bytes, size, &fault);
-    if (result == DPT_OK)
-        result = dpt_mesh_open(bytes, size, &mesh);
-    if (result != DPT_OK)
-        complain(command, "%s: byte %" PRIu64 " (%s): %s%s", path, fault.byte, fault.section, dpt_result_text(result),
-                 result == DPT_E_MAGIC ? "; dynpoint compile makes one" : "");
+    dpt_host_error error = { .size = sizeof error };
+    const dpt_mesh *mesh = host_file_open_mesh(path, bytes, size, &error);
+    if (!mesh)
+        complain(command, "%s", error.text);
     return mesh;
 }
 

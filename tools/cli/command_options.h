@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #include "dynpoint.h"
+#include "dynpoint/host.h"
 
 /* Print "dynpoint COMMAND: ..." as one line on standard error; returns 2, the exit status. */
 int complain(const char *command, const char *format, ...)
@@ -17,6 +18,12 @@ int complain(const char *command, const char *format, ...)
     __attribute__((format(printf, 2, 3)))
 #endif
     ;
+
+/*
+ * What a call of the host library returned, and said: prints it if it failed, or if there is a note for people. Returns 0,
+ * or 2, the exit status, after a failure.
+ */
+int complain_of(const char *command, dpt_result result, const dpt_host_error *error);
 
 /* The values of an option that may be given several times, in their order. */
 enum { OPTION_TEXTS_MAX = 16 };

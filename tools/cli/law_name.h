@@ -5,10 +5,9 @@
 
 #include "cli/command_options.h"
 #include "dynpoint/world.h"
+#include "host/setting_words.h"
 
 #define LAW_HELP "point, bed or proxy"
-
-static const char *const law_names[] = { "point", "bed", "proxy", NULL };
 
 static inline const char *law_name(uint32_t law)
 {

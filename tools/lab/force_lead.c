@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/vec3.h"
-#include "cli/force_options.h"
+#include "host/force_options.h"
 #include "clock.h"
 
 double uniform(uint64_t *seed, double low, double high)

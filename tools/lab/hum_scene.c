@@ -4,7 +4,8 @@
 #include <string.h>
 
 #include "base/quaternion.h"
-#include "scene/scene_list.h"
+#include "cli/command_options.h"
+#include "host/scene_list.h"
 
 /* m: of the surface of a tool above what it comes down on. */
 #define ABOVE 0.002
@@ -66,8 +67,9 @@ int hum_scene_open(struct hum_scene *scene, const char *name)
 {
     const struct listed_scene *listed = scene_listed(name);
     struct file_identity identity = { .bytes = 0 };
+    dpt_host_error error = { .size = sizeof error };
     memset(scene, 0, sizeof *scene);
-    if (scene_bodies_of_list(&scene->bodies, "stability", listed, &identity))
+    if (complain_of("stability", scene_bodies_of_list(&scene->bodies, listed, &identity, &error), &error))
         return 0;
     settle(scene);
     scene->length = listed->length;

@@ -3,7 +3,7 @@
 #ifndef DPT_TOOLS_HUM_SCENE_H
 #define DPT_TOOLS_HUM_SCENE_H
 
-#include "scene/scene_bodies.h"
+#include "host/scene_bodies.h"
 
 struct hum_scene {
     struct scene_bodies bodies;

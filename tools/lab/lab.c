@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "shape/mesh_size.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 const char *lab_method_name(int method)
 {

@@ -155,12 +155,13 @@ static dpt_result add_tool(struct stage *stage, const struct scene *scene, const
 static int choose_physics(struct stage *stage, const struct measure_run *run, const struct scene *scene)
 {
     const double rate = run->setting.physics;
+    dpt_host_error error = { .size = sizeof error };
     if (!(rate > 0.0) || !has_soft(&stage->bodies))
         return 0;
-    return scene_physics_choose(&stage->bodies, scene->command, "the scene", rate) ||
-                   scene_physics_check_loop(scene->command, rate, 1.0 / run->setting.dt)
-               ? 2
-               : 0;
+    dpt_result result = scene_physics_choose(&stage->bodies, "the scene", rate, &error);
+    if (result == DPT_OK)
+        result = scene_physics_check_loop(rate, 1.0 / run->setting.dt, &error);
+    return complain_of(scene->command, result, &error);
 }
 
 /* Create the world in the stage's block, with the scene's bodies and its tool. */

@@ -11,7 +11,7 @@
 #include "csv.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/types.h"
-#include "scene/scene.h"
+#include "host/scene.h"
 
 /* A plain value: copy it, and change the copy. */
 struct measure_setting {
@@ -110,13 +110,5 @@ struct measure_machine {
 
 /* The machine that runs this; `kernel` is DPT_KERNEL_... as a world tells it. */
 void measure_machine_read(struct measure_machine *machine, uint32_t kernel);
-
-/* Where a tool's centre is, and how far it spreads about it (docs/algorithms/force.md). */
-
-/*
- * m: the root mean square distance of the points of lines from their centre, which is weighted by their lengths; of points
- * alone, all count alike. At least one line.
- */
-double tool_spread(const dpt_segment *lines, uint32_t count, double centre[3]);
 
 #endif

@@ -10,7 +10,7 @@
 #include "cli/command_options.h"
 #include "cli/json_text.h"
 #include "cli/law_name.h"
-#include "cli/setting_words.h"
+#include "host/setting_words.h"
 
 void plan_free(struct plan *plan)
 {
@@ -120,13 +120,14 @@ void plan_figures_join(struct plan_figures *figures, const struct plan_figures *
 
 #ifdef DPT_HAS_JANSSON
 
-#include "scene/json_value.h"
+#include "host/json_value.h"
 
 enum { PLAN_BYTES_MAX = 1 << 20 };
 
 int plan_file_read(struct plan *plan, const char *command, const char *path)
 {
     struct json_fault fault;
+    dpt_host_error error = { .size = sizeof error };
     size_t size;
     memset(plan, 0, sizeof *plan);
     char *bytes = load_file(command, path, &size);
@@ -134,7 +135,7 @@ int plan_file_read(struct plan *plan, const char *command, const char *path)
         return 2;
     int status = size > PLAN_BYTES_MAX ? complain(command, "%s: a plan has at most %d bytes", path, PLAN_BYTES_MAX) : 0;
     if (status == 0 && !plan_file_parse(plan, bytes, size, &fault))
-        status = json_fault_complain(command, path, &fault);
+        status = complain_of(command, json_fault_refuse(&fault, path, &error), &error);
     free(bytes);
     return status;
 }

@@ -3,7 +3,7 @@
 #ifndef DPT_TOOLS_PLAN_FILE_H
 #define DPT_TOOLS_PLAN_FILE_H
 
-#include "cli/file_identity.h"
+#include "host/file_identity.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
 

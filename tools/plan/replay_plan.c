@@ -7,6 +7,7 @@
 
 #include "cli/json_text.h"
 #include "cli/law_name.h"
+#include "cli/scene_command.h"
 #include "measure/measure_setting.h"
 #include "plan/plan_file.h"
 #include "plan/plan_report.h"
@@ -218,11 +219,11 @@ int replay_plan(int argc, char **argv)
     status = plan_file_read(&plan, "replay", options.plan);
     if (status == 0) {
         plan_scene_def(&plan, &def);
-        status = scene_def_read(&def);
+        status = read_scene_def(&def);
         if (status == 0)
-            status = scene_def_complete(&def, law_name(plan.setting.world.law));
+            status = complete_scene_def(&def, law_name(plan.setting.world.law));
         if (status == 0) {
-            status = scene_open(&scene, &def);
+            status = open_scene(&scene, &def);
             if (status == 0)
                 status = replay(&options, &plan, &scene);
             scene_close(&scene);

@@ -7,12 +7,14 @@
 #include <string.h>
 
 #include "cli/command_options.h"
+#include "cli/force_check.h"
+#include "cli/scene_command.h"
 #include "measure/measure_setting.h"
 #include "record/recording_file.h"
 #include "record/run_record.h"
 #include "record/scene_text.h"
-#include "scene/scene_list.h"
-#include "scene/scene_trouble.h"
+#include "host/scene_list.h"
+#include "host/scene_trouble.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpr [SCENE.json|MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"
@@ -242,7 +244,7 @@ static int take_plan(struct scene *scene, const struct scene_text *text, const c
         return complain(scene->command, "%s: its header has a plan's setting that is none", path);
     *setting = scene_text_setting(text);
     measure_setting_change(setting, &scene->bodies);
-    scene->planned = setting;
+    scene->planned = &setting->world;
     return 0;
 }
 
@@ -252,14 +254,14 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
     struct recording_embed embed = { .room = 0 };
     int embedded[EMBED_FILES];
     struct measure_setting setting;
-    char origin[96];
     const int has_own_friction = text->friction == SCENE_TEXT_OWN_FRICTION;
     struct scene_def def = { .command = command,
                              .path = scene_path ? scene_path : text->scene,
                              .tool = tool_path       ? tool_path
                                      : text->tool[0] ? text->tool
                                                      : NULL,
-                             .origin = origin,
+                             .origin = { text->origin_x, text->origin_y, text->origin_z },
+                             .has_origin = 1,
                              .zoom = text->zoom,
                              .force_scale = text->force_scale,
                              .clutch = text->clutch < SCENE_TEXT_NO_CLUTCH ? (int)text->clutch : -1,
@@ -277,7 +279,6 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
                                    .pose_dofs = (uint32_t)text->pose_dofs,
                                    .wrench_dofs = (uint32_t)text->wrench_dofs,
                                    .joints = (uint32_t)text->joints };
-    snprintf(origin, sizeof origin, "%.17g,%.17g,%.17g", text->origin_x, text->origin_y, text->origin_z);
     recording_scene_embedded(text, scene_path, tool_path, embedded);
     int status = read_embedded(&def, &embed, path, text, embedded);
     if (status == 0)
@@ -287,9 +288,9 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
     if (status == 0 && def.force.law != DPT_LAW_PROXY && !tip_shapes_are_curved(&def.tips))
         status = complain(command, "%s: its header has tips, and another law than proxy", path);
     if (status == 0)
-        status = scene_def_read(&def);
+        status = read_scene_def(&def);
     if (status == 0)
-        status = scene_open(scene, &def);
+        status = open_scene(scene, &def);
     recording_embed_free(&embed);
     if (status == 0)
         status = check_identity(command, def.path, "scene", &scene->file, text->scene_bytes, text->scene_crc32);
@@ -300,7 +301,7 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
     if (status == 0)
         status = take_plan(scene, text, path, &setting);
     if (status == 0)
-        status = scene_make_world(scene, &info, (uint32_t)text->budget);
+        status = make_scene_world(scene, &info, (uint32_t)text->budget);
     scene->planned = NULL;
     if (status == 0 && text->passivity)
         observe(scene, text);

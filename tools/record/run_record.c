@@ -36,7 +36,7 @@ static int open_recorder(struct run_record *record, const dpt_record_header *hea
 }
 
 int run_record_open(struct run_record *record, const char *path, const struct scene *scene, const struct scene_def *def,
-                    const struct scene_hand *hand, uint32_t budget)
+                    const struct measure_setting *planned, const struct scene_hand *hand, uint32_t budget)
 {
     *record = (struct run_record){ .path = path,
                                    .is_timed = !(scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC),
@@ -45,7 +45,7 @@ int run_record_open(struct run_record *record, const char *path, const struct sc
     char *words = malloc(DPT_RECORD_TEXT_MAX + 1);
     int status = text && words ? 0 : complain("run", "memory ran out");
     if (status == 0) {
-        scene_text_of(text, scene, def);
+        scene_text_of(text, scene, def, planned);
         snprintf(text->device, sizeof text->device, "%s", hand->name);
         text->force_max = hand->force_max;
         text->budget = budget;

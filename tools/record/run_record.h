@@ -8,7 +8,7 @@
 #include "dynpoint/record.h"
 #include "dynpoint/recorder.h"
 #include "dynpoint/types.h"
-#include "scene/scene.h"
+#include "host/scene.h"
 
 struct run_record {
     dpt_recorder *recorder; /* NULL: nothing is recorded */
@@ -21,9 +21,11 @@ struct run_record {
 /* 1 if the path ends in .csv: a trace is wanted, and no recording. */
 int is_trace_name(const char *path);
 
-/* Begin a recording of a scene whose world was made. Returns 0, or 2 after a message. */
+struct measure_setting; /* measure/measure_setting.h */
+
+/* Begin a recording of a scene whose world was made. planned: by a plan, or NULL. Returns 0, or 2 after a message. */
 int run_record_open(struct run_record *record, const char *path, const struct scene *scene, const struct scene_def *def,
-                    const struct scene_hand *hand, uint32_t budget);
+                    const struct measure_setting *planned, const struct scene_hand *hand, uint32_t budget);
 
 /* Before and after a step of the scene, and in a tick without one. Without a recording they do nothing. */
 void run_record_begin(struct run_record *record);

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "cli/command_options.h"
+#include "cli/law_name.h"
 #include "measure/measure_setting.h"
 #include "text/parse_number.h"
 
@@ -119,7 +120,8 @@ struct measure_setting scene_text_setting(const struct scene_text *text)
     return setting;
 }
 
-void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def)
+void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def,
+                   const struct measure_setting *planned)
 {
     memset(text, 0, sizeof *text);
     snprintf(text->scene, sizeof text->scene, "%s", def->path);
@@ -152,8 +154,8 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
         text->passive_torque_slew = def_of->torque_slew;
         text->passive_delay = def_of->delay;
     }
-    if (scene->planned)
-        note_plan(text, scene->planned);
+    if (planned)
+        note_plan(text, planned);
     text->sweep_budget = scene->sweep_budget;
     text->physics = scene->physics_rate;
     text->length = def->length;

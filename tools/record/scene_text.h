@@ -7,7 +7,7 @@
 #define DPT_TOOLS_SCENE_TEXT_H
 
 #include "dynpoint/record.h"
-#include "scene/scene.h"
+#include "host/scene.h"
 
 enum { SCENE_TEXT_NAME = 4096, SCENE_TEXT_NO_CLUTCH = 32, SCENE_TEXT_OWN_FRICTION = -1 };
 
@@ -42,8 +42,11 @@ struct scene_text {
     struct jaw_motion jaw;
 };
 
-/* Of a scene whose world was made. */
-void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def);
+struct measure_setting; /* measure/measure_setting.h */
+
+/* Of a scene whose world was made; planned: by a plan, or NULL. */
+void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def,
+                   const struct measure_setting *planned);
 
 /* The setting of a plan, as far as a scene's text has it; law, stiffness and the like are the text's own. */
 struct measure_setting scene_text_setting(const struct scene_text *text);

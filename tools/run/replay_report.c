@@ -10,7 +10,7 @@
 #include "cli/command_options.h"
 #include "csv.h"
 #include "measure/measure_run.h"
-#include "scene/tip_shape.h"
+#include "host/tip_shape.h"
 
 static const char *const status_words[] = { "stale", "local", "bounded", "exact" };
 static const char *const contact_words[] = { "unknown", "separated", "touching", "penetrating" };

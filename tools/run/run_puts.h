@@ -5,7 +5,7 @@
 
 #include <inttypes.h>
 
-#include "scene/scene.h"
+#include "host/scene.h"
 
 struct run_puts {
     uint64_t squeezed, turned; /* ticks in which it was put */

@@ -7,7 +7,9 @@
 
 #include "base/vec3.h"
 #include "cli/command_options.h"
+#include "cli/force_check.h"
 #include "cli/open_device.h"
+#include "cli/scene_command.h"
 #include "measure/measure_setting.h"
 #include "plan/plan_file.h"
 #include "plan/plan_trace.h"
@@ -19,158 +21,13 @@ const char *coupling_limit_word(uint32_t limit)
     return limit < sizeof words / sizeof *words ? words[limit] : "?";
 }
 
-/* What counts for the tool's turns: its segments, then the axes of its tips. Returns how many there are. */
-static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
-{
-    const uint32_t segments = scene->segment_count;
-    for (uint32_t i = 0; i < segments; i++) {
-        parts[i] = scene->segments[i];
-        if (scene->has_stylus)
-            parts[i].b[2] = scene->length;
-    }
-    for (uint32_t i = 0; i < scene->tips.count; i++) {
-        dpt_segment *part = &parts[segments + i];
-        scene_tips_axis(&scene->tips, i, part->a, part->b);
-    }
-    return segments + scene->tips.count;
-}
-
-/* The tool's root mean squared distance from its centre, and how far that is from the pose's origin. */
-static void measure_tool(const struct scene *scene, double *rho, double *lever)
-{
-    dpt_segment parts[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
-    double centre[3];
-    const uint32_t count = list_parts(scene, parts);
-    *rho = tool_spread(parts, count, centre);
-    *lever = vec3_length(centre);
-}
-
-static void say_why(const struct scene *scene, const dpt_coupling *coupling, double asked)
-{
-    const char *which = scene->zoom != 1.0 || scene->force_scale != 1.0 ? " of the scene" : "";
-    switch (coupling->limit) {
-    case DPT_COUPLING_STABILITY:
-    case DPT_COUPLING_ROTATION:
-        if (coupling->delay_needed > 0.0)
-            complain(scene->command,
-                     "%g N/m%s need T/2 + t_d <= %.3g ms; this device has %.3g. It is held by %.4g "
-                     "N/m%s (--unstable takes %g all the same)",
-                     asked, which, 1e3 * coupling->delay_needed, 1e3 * coupling->delay, coupling->stiffness,
-                     coupling->limit == DPT_COUPLING_ROTATION ? ", as its rotation is weaker" : "", asked);
-        break;
-    case DPT_COUPLING_STEP:
-        complain(scene->command, "%.4g N/m instead of %g: the device's steps would be felt", coupling->stiffness,
-                 asked);
-        break;
-    case DPT_COUPLING_MAKER:
-        complain(scene->command, "%.4g N/m instead of %g: its maker states no more", coupling->stiffness, asked);
-        break;
-    case DPT_COUPLING_UNKNOWN:
-        complain(scene->command,
-                 "%.4g N/m instead of %g: the device's mass and damping are not known. Measure "
-                 "them: dynpoint device identify (--unstable takes %g all the same)",
-                 coupling->stiffness, asked, asked);
-        break;
-    default:
-        break;
-    }
-}
-
-static dpt_coupling_def coupling_def_of(const struct scene *scene, const dpt_device_info *device,
-                                        const struct coupling_options *options)
-{
-    dpt_coupling_def def;
-    dpt_coupling_def_init(&def);
-    dpt_device_fill_coupling(device, &def);
-    measure_tool(scene, &def.rho, &def.lever);
-    def.rate = options->rate;
-    def.loop_delay = options->loop_delay;
-    def.zoom = scene->zoom;
-    def.force_scale = scene->force_scale;
-    def.tool_damping = scene->force.damping;
-    def.gain_margin = options->gain_margin;
-    def.stiffness = isnan(options->stiffness) ? 0.0 : options->stiffness;
-    return def;
-}
-
-static int find_coupling(const struct scene *scene, const dpt_coupling_def *def, dpt_coupling *coupling)
-{
-    *coupling = (dpt_coupling){ .size = sizeof *coupling };
-    const dpt_result result = dpt_coupling_for_device(def, coupling);
-    if (result != DPT_OK)
-        return complain(scene->command, "no coupling for this device: %s", dpt_result_text(result));
-    return 0;
-}
-
-int run_coupling_find(const struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
-                      dpt_coupling *coupling)
-{
-    const dpt_coupling_def def = coupling_def_of(scene, device, options);
-    return find_coupling(scene, &def, coupling);
-}
-
-/*
- * An upright tool stands up to UPRIGHT_FORCE, N, if its stiffness against turns is that times half of its length
- * (docs/algorithms/force.md). With UPRIGHT_MARGIN times as much a hand's lean grows threefold at most. A share of
- * UPRIGHT_PRICE of the stiffness is given for that, at most; it is found in so many halvings. Where a stiffness is asked
- * for, the tool's shape gives that against turns.
- */
-#define UPRIGHT_FORCE  10.0
-#define UPRIGHT_MARGIN 1.5
-#define UPRIGHT_PRICE  0.1
-enum { UPRIGHT_HALVINGS = 6 };
-
-/* The stiffness against turns that holds an upright tool, or as much of it as the device can hold at that price. */
-static int hold_upright(const struct scene *scene, dpt_coupling_def *def, dpt_coupling *coupling)
-{
-    const double least = (1.0 - UPRIGHT_PRICE) * coupling->stiffness;
-    double low = coupling->stiffness * def->rho * def->rho,
-           high = UPRIGHT_MARGIN * UPRIGHT_FORCE * sqrt(3.0) * def->rho;
-    if (!(coupling->stable_turn > 0.0) || !(low < high))
-        return 0;
-    def->rotational_stiffness = high;
-    for (int i = 0; i <= UPRIGHT_HALVINGS; i++) {
-        dpt_coupling tried;
-        if (find_coupling(scene, def, &tried))
-            return 2;
-        const int is_held =
-            tried.stiffness >= least && tried.rotational_stiffness >= (1.0 - 1e-9) * def->rotational_stiffness;
-        if (is_held)
-            *coupling = tried;
-        if (is_held && i == 0)
-            return 0;
-        *(is_held ? &low : &high) = def->rotational_stiffness;
-        def->rotational_stiffness = 0.5 * (low + high);
-    }
-    return 0;
-}
-
-int run_coupling_choose(struct scene *scene, const dpt_device_info *device, const struct coupling_options *options,
-                        dpt_coupling *coupling)
-{
-    const int is_asked = !isnan(options->stiffness);
-    dpt_coupling_def def = coupling_def_of(scene, device, options);
-    if (find_coupling(scene, &def, coupling) ||
-        (!is_asked && scene->force.law == DPT_LAW_PROXY && !scene->planned && hold_upright(scene, &def, coupling)))
-        return 2;
-    /* A stiffness of 0 is asked for by those who want no force. */
-    if (is_asked && (options->is_unstable || options->stiffness == 0.0)) {
-        coupling->limit = DPT_COUPLING_ASKED;
-        coupling->stiffness = options->stiffness;
-    } else if (is_asked) {
-        say_why(scene, coupling, options->stiffness);
-    }
-    scene->force.stiffness = coupling->stiffness;
-    scene->force.rotational_stiffness = coupling->rotational_stiffness;
-    return 0;
-}
-
 int run_physics_check(const struct scene *scene, const dpt_device_info *device, int is_recorded)
 {
+    dpt_host_error error = { .size = sizeof error };
     if (scene->physics_rate == 0.0)
         return 0;
     if (device->flags & DPT_DEVICE_FLAG_DETERMINISTIC)
-        return scene_physics_check_loop(scene->command, scene->physics_rate, device->rate);
+        return complain_of(scene->command, scene_physics_check_loop(scene->physics_rate, device->rate, &error), &error);
     if (is_recorded)
         return complain(scene->command, "--physics: with this device the clock decides when vertices move, which "
                                         "is not in a recording. Leave --record out, or --physics");
@@ -289,7 +146,7 @@ static int check_record(const struct run_settings *settings)
     const char *const inputs[] = { settings->identified, NULL };
     if (!strcmp(settings->record, "-"))
         return complain("run", "--record needs a file: what is said at the end is on standard output");
-    if (scene_def_check_output(&settings->scene, settings->record) || output_check("run", settings->record, inputs))
+    if (check_scene_output(&settings->scene, settings->record) || output_check("run", settings->record, inputs))
         return 2;
     return device_output_check("run", settings->record, settings->device);
 }
@@ -365,7 +222,7 @@ static int check_loop(const struct run_settings *settings)
 
 /* Options that are read further on. */
 struct run_words {
-    const char *law, *jaw;
+    const char *at, *law, *jaw;
     struct option_texts tips;
     size_t operands;
 };
@@ -376,7 +233,7 @@ static int parse_settings(struct run_settings *settings, struct run_words *words
     const struct option_def options[] = {
         { .name = "--device", .text = &settings->device },
         { .name = "--plan", .text = &settings->plan_path },
-        { .name = "--at", .text = &settings->scene.origin },
+        { .name = "--at", .text = &words->at },
         { .name = "--tool", .text = &settings->scene.tool },
         { .name = "--tip", .texts = &words->tips },
         { .name = "--jaw", .text = &words->jaw },
@@ -431,7 +288,7 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
     if (settings->plan_path && read_plan(settings, words.operands, &words.law))
         return 2;
     words.operands += settings->plan_path != NULL;
-    if (words.operands == 1 && scene_def_read(&settings->scene))
+    if (words.operands == 1 && read_scene_def(&settings->scene))
         return 2;
     if (!settings->device && settings->scene.file)
         settings->device = settings->scene.file->device;
@@ -439,9 +296,11 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
         return complain("run", "a scene, SCENE.json, MESH.dpa or ARM.dpa, and --device NAME are needed (see --help)");
     if (words.jaw && read_jaw(&settings->scene.jaw, words.jaw))
         return 2;
-    if (tip_shapes_of_options(&settings->scene.tips, "run", &words.tips))
+    if (read_tip_shapes(&settings->scene.tips, "run", &words.tips))
         return 2;
-    status = scene_def_complete(&settings->scene, words.law);
+    if (words.at && read_origin(&settings->scene, words.at))
+        return 2;
+    status = complete_scene_def(&settings->scene, words.law);
     settings->scene.force.stiffness = isnan(settings->coupling.stiffness) ? 0.0 : settings->coupling.stiffness;
     if (status == 0)
         status = force_options_check("run", &settings->scene.force);

@@ -10,8 +10,8 @@
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
 #include "record/run_record.h"
-#include "scene/scene_list.h"
-#include "scene/scene_trouble.h"
+#include "host/scene_list.h"
+#include "host/scene_trouble.h"
 #include "view/view_scene.h"
 
 #define FRAME_SECONDS (1.0 / 60.0)

@@ -5,7 +5,7 @@
 #include "dynpoint/compile.h"
 #include "fuzz/calls/calls.h"
 #include "lib/arm_random.h"
-#include "shape/shape.h"
+#include "host/shape.h"
 
 /* The last one is this game's own, if it has one. */
 struct subject subjects[MESHES + 1];

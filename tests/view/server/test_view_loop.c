@@ -183,12 +183,14 @@ static int open_lab(void)
     char text[256] = "";
     int ends[2];
     unsigned port = 0;
+    dpt_host_error error = { .size = sizeof error };
     lab.info.size = sizeof lab.info;
     def.physics = lab.physics;
     if (dpt_device_open("sim:?hand=press&cycle=2", &lab.device, NULL) != DPT_OK || pipe(ends) != 0)
         return 0;
     dpt_device_get_info(lab.device, &lab.info);
-    if (scene_open(&lab.scene, &def) || scene_make_world(&lab.scene, &lab.info, 0) ||
+    if (scene_open(&lab.scene, &def, &error) != DPT_OK ||
+        scene_make_world(&lab.scene, &lab.info, 0, &error) != DPT_OK ||
         (lab.physics > 0.0 && scene_physics_start(lab.scene.physics, 1000.0) != DPT_OK))
         return 0;
     dup2(ends[1], STDOUT_FILENO);
