@@ -11,35 +11,21 @@
 #include "cli/scene_command.h"
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
+#include "host/host_session.h"
 #include "plan/plan_trace.h"
 #include "record/recording_embed.h"
 #include "record/run_record.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
-#include "host/scene_trouble.h"
 #include "view/run_view.h"
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
 #define RATE_FACTOR_MAX (16.0 / 15.0)
 
-/*
- * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
- * less, a tool at rest may stay undecided.
- */
-#define BUDGET_RATE 3e6
-#define BUDGET_MIN  200.0
-
-/* What a tick needs, and what it counts. */
+/* The scene, and what is written and shown of its ticks. */
 struct session {
-    struct scene scene;
-    uint64_t contacts, penetrating, unknown, clutched;
-    struct scene_trouble trouble;
-    char wrong[SCENE_TROUBLE_BYTES]; /* its text, after the run */
-    struct run_puts puts;
-    dpt_coupling coupling;
-    uint32_t budget;
-    uint32_t reasons; /* why the device was not ready */
-    double depth_max, force_peak;
+    struct host_session host;
+    char wrong[SCENE_TROUBLE_BYTES]; /* the text of what went wrong, after the run */
     struct run_record recording;
     struct run_trace trace;
     struct run_view *view;
@@ -49,30 +35,17 @@ struct session {
 static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct session *session = user;
-    dpt_hit hit = DPT_HIT_INIT;
-    double square = 0.0;
+    struct scene *scene = &session->host.scene;
+    const uint64_t failed = session->host.counts.trouble.failed;
     run_record_begin(&session->recording);
     run_view_begin(session->view);
-    dpt_result result = scene_feel(&session->scene, sample, wrench);
-    if (scene_trouble_note(&session->trouble, &session->scene, sample, result) || result == DPT_OK)
-        run_view_tick(session->view, &session->scene, sample, result);
-    run_record_tick(&session->recording, &session->scene, sample, result, wrench);
-    session->clutched += (uint64_t)session->scene.is_clutched;
-    if (result != DPT_OK)
-        return result;
-    run_trace_tick(&session->trace, &session->scene.stylus);
-    run_puts_tick(&session->puts, &session->scene);
-    scene_get_hit(&session->scene, &hit);
-    session->reasons |= sample->state->reasons;
-    session->contacts += hit.contact != DPT_CONTACT_SEPARATED;
-    session->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
-    session->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
-    for (int k = 0; k < 3; k++)
-        square += wrench->force[k] * wrench->force[k];
-    const double depth = scene_depth(&session->scene, sqrt(square) / session->scene.force_scale, hit.depth);
-    session->depth_max = fmax(session->depth_max, depth);
-    session->force_peak = fmax(session->force_peak, sqrt(square));
-    return DPT_OK;
+    const dpt_result result = host_session_feel(&session->host, sample, wrench);
+    if (result == DPT_OK || session->host.counts.trouble.failed > failed)
+        run_view_tick(session->view, scene, sample, result);
+    run_record_tick(&session->recording, scene, sample, result, wrench);
+    if (result == DPT_OK)
+        run_trace_tick(&session->trace, &scene->stylus);
+    return result;
 }
 
 static void idle(void *user, const dpt_loop_sample *sample)
@@ -85,7 +58,7 @@ static int open_record(const struct run_settings *settings, struct session *sess
 {
     if (!run_is_traced(settings))
         return 0;
-    if (!session->scene.has_stylus)
+    if (!session->host.scene.has_stylus)
         return complain("run", "--record needs the stylus, without tips: a trace has one segment; "
                                "a recording, F.dpr, may have any");
     return run_trace_open(&session->trace, settings->record);
@@ -109,12 +82,12 @@ static int allocate_record(struct session *session, const struct run_settings *s
 
 static void print_coupling_json(const struct session *session)
 {
-    const dpt_coupling *coupling = &session->coupling;
-    const dpt_passivity_info seen = scene_passivity_info(&session->scene.passivity);
+    const dpt_coupling *coupling = &session->host.coupling;
+    const dpt_passivity_info seen = scene_passivity_info(&session->host.scene.passivity);
     printf(",\"stiffness\":%.17g,\"limit\":\"%s\",\"stable\":%.17g,\"delay\":%.17g,\"rotational_stiffness\":%.17g",
            coupling->stiffness, coupling_limit_word(coupling->limit), coupling->stable, coupling->delay,
            coupling->rotational_stiffness);
-    if (session->scene.passivity.is_used)
+    if (session->host.scene.passivity.is_used)
         printf(",\"passivity\":{\"acted\":%" PRIu64
                ",\"taken\":%.17g,\"account_min\":%.17g,\"eps\":%.17g,\"body_work\":%.17g}",
                seen.acted, seen.taken, seen.account_min, seen.eps, seen.body_work);
@@ -122,8 +95,8 @@ static void print_coupling_json(const struct session *session)
 
 static void print_coupling(const struct session *session)
 {
-    const dpt_coupling *coupling = &session->coupling;
-    const dpt_passivity_info seen = scene_passivity_info(&session->scene.passivity);
+    const dpt_coupling *coupling = &session->host.coupling;
+    const dpt_passivity_info seen = scene_passivity_info(&session->host.scene.passivity);
     printf("  coupling %.4g N/m", coupling->stiffness);
     if (coupling->rotational_stiffness > 0.0)
         printf(", %.3g Nm/rad", coupling->rotational_stiffness);
@@ -133,8 +106,8 @@ static void print_coupling(const struct session *session)
     if (seen.acted)
         printf("  passivity: took %.3g mJ away on %" PRIu64 " ticks; least account %.3g mJ\n", 1e3 * seen.taken,
                seen.acted, 1e3 * seen.account_min);
-    if (session->clutched)
-        printf("  the clutch was down on %" PRIu64 "\n", session->clutched);
+    if (session->host.counts.clutched)
+        printf("  the clutch was down on %" PRIu64 "\n", session->host.counts.clutched);
 }
 
 static void print_json(const struct session *session, const dpt_loop_stats *s, const dpt_device_counts *counts)
@@ -165,21 +138,21 @@ static void print_json(const struct session *session, const dpt_loop_stats *s, c
                     { "device_lost", counts->lost },
                     { "device_damaged", counts->damaged },
                     { "device_missed", counts->missed },
-                    { "clutched", session->clutched },
-                    { "contacts", session->contacts },
-                    { "penetrating", session->penetrating },
-                    { "unknown", session->unknown } };
+                    { "clutched", session->host.counts.clutched },
+                    { "contacts", session->host.counts.contacts },
+                    { "penetrating", session->host.counts.penetrating },
+                    { "unknown", session->host.counts.unknown } };
     putchar('{');
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
-    printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->depth_max, session->force_peak);
+    printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->host.counts.depth_max, session->host.counts.force_max);
     print_coupling_json(session);
-    run_puts_print(&session->puts, 1);
-    printf(",\"tip_error\":%.17g,\"tips_unproven\":%" PRIu64, scene_tip_error(&session->scene),
-           session->scene.curved.unproven);
-    run_physics_print(&session->scene, 1);
-    printf(",\"spring_nodes\":%" PRIu64 ",\"spring_nodes_awake\":%" PRIu64, session->scene.bodies.nodes,
-           session->scene.bodies.active);
+    run_puts_print(&session->host.counts.puts, 1);
+    printf(",\"tip_error\":%.17g,\"tips_unproven\":%" PRIu64, scene_tip_error(&session->host.scene),
+           session->host.scene.curved.unproven);
+    run_physics_print(&session->host.scene, 1);
+    printf(",\"spring_nodes\":%" PRIu64 ",\"spring_nodes_awake\":%" PRIu64, session->host.scene.bodies.nodes,
+           session->host.scene.bodies.active);
     const struct {
         const char *name;
         const uint64_t *bins;
@@ -189,11 +162,11 @@ static void print_json(const struct session *session, const dpt_loop_stats *s, c
         printf(",\"%s_us\":{\"median\":%.1f,\"p99\":%.1f,\"max\":%.1f}", times[i].name,
                1e6 * dpt_loop_quantile(times[i].bins, 0.5), 1e6 * dpt_loop_quantile(times[i].bins, 0.99),
                1e6 * times[i].max);
-    printf(",\"held\":%" PRIu64 ",\"trouble\":\"%s\"", session->scene.bodies.held, session->wrong);
+    printf(",\"held\":%" PRIu64 ",\"trouble\":\"%s\"", session->host.scene.bodies.held, session->wrong);
     run_view_print(&session->viewed, 1);
     printf(",\"real_time\":%s,\"locked\":%s,\"budget\":%" PRIu32 "}\n",
            s->notes & DPT_LOOP_NOTE_NO_PRIORITY ? "false" : "true", s->notes & DPT_LOOP_NOTE_NO_LOCK ? "false" : "true",
-           session->budget);
+           session->host.budget);
 }
 
 static void print_times(const char *what, const uint64_t *bins, double max)
@@ -208,24 +181,24 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
         puts(session->wrong);
     printf("%" PRIu64 " ticks: %" PRIu64 " with a fresh sample, %" PRIu64 " without, %" PRIu64 " not ready, %" PRIu64
            " lost\n",
-           s->ticks, s->fresh + s->failed - session->trouble.failed, s->stale, s->not_ready, s->lost);
-    if (session->reasons) {
+           s->ticks, s->fresh + s->failed - session->host.counts.trouble.failed, s->stale, s->not_ready, s->lost);
+    if (session->host.counts.reasons) {
         fputs("  not ready:", stdout);
-        for (uint32_t left = session->reasons; left; left &= left - 1)
+        for (uint32_t left = session->host.counts.reasons; left; left &= left - 1)
             printf(" %s", dpt_device_reason_name(left));
         putchar('\n');
     }
-    printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n", session->contacts,
-           1e3 * session->depth_max, session->force_peak);
-    if (session->unknown)
-        printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->unknown, session->budget);
-    run_puts_print(&session->puts, 0);
+    printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n", session->host.counts.contacts,
+           1e3 * session->host.counts.depth_max, session->host.counts.force_max);
+    if (session->host.counts.unknown)
+        printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->host.counts.unknown, session->host.budget);
+    run_puts_print(&session->host.counts.puts, 0);
     print_coupling(session);
-    curved_tips_print_error(stdout, &session->scene.curved, scene_tip_error(&session->scene));
-    run_physics_print(&session->scene, 0);
-    if (session->scene.bodies.nodes)
+    curved_tips_print_error(stdout, &session->host.scene.curved, scene_tip_error(&session->host.scene));
+    run_physics_print(&session->host.scene, 0);
+    if (session->host.scene.bodies.nodes)
         printf("  springs: %.1f %% of the nodes were awake\n",
-               100.0 * (double)session->scene.bodies.active / (double)session->scene.bodies.nodes);
+               100.0 * (double)session->host.scene.bodies.active / (double)session->host.scene.bodies.nodes);
     run_view_print(&session->viewed, 0);
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped, s->slewed, s->stops);
     printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64 " commands missed\n",
@@ -258,21 +231,6 @@ static int is_by_own_time(const struct run_settings *settings, const dpt_device_
     return settings->seconds * info->rate < 0x1p53 && info->flags & DPT_DEVICE_FLAG_DETERMINISTIC;
 }
 
-/* The controller stands before the guard, and knows what that will let through. */
-static void observe(struct session *session, const dpt_device_info *info, const dpt_guard_def *guard)
-{
-    dpt_passivity_def def;
-    dpt_passivity_def_init(&def);
-    def.damping = info->damping;
-    def.spin_damping = info->spin_damping;
-    def.force_max = fmin(guard->force_max, info->force_max);
-    def.torque_max = fmin(guard->torque_max, info->torque_max);
-    def.force_slew = guard->force_slew;
-    def.torque_slew = guard->torque_slew;
-    def.delay = info->delay;
-    scene_passivity_begin(&session->scene.passivity, &def);
-}
-
 /* What the device is, and how it was measured. Returns 0, or 2 after a message. */
 static int know_device(dpt_device *device, const char *identified, dpt_device_info *info)
 {
@@ -283,47 +241,27 @@ static int know_device(dpt_device *device, const char *identified, dpt_device_in
     return 0;
 }
 
-/* As stiff as the device can hold; says why where that is less than was asked for. Returns 0, or 2 after a message. */
-static int choose_coupling(struct scene *scene, const dpt_device_info *info, const struct coupling_options *options,
-                           dpt_coupling *coupling)
+/* The coupling that this device can hold, a world for it, and its guard. Returns 0, or 2 after a message. */
+static int couple(struct session *session, const struct run_settings *settings, const dpt_device_info *info)
 {
+    const int is_recorded = settings->record && !run_is_traced(settings);
+    const struct host_settings how = { .coupling = settings->coupling,
+                                       .force_max = settings->force_max,
+                                       .rate = settings->rate,
+                                       .budget = settings->budget,
+                                       .is_active = settings->is_active,
+                                       .shows_contacts = settings->view.is_on || is_recorded };
     dpt_host_error error = { .size = sizeof error };
-    const dpt_result result = host_coupling_choose(scene, info, options, coupling, &error);
-    if (error.text[0])
-        complain("run", "%s", error.text);
-    return result == DPT_OK ? 0 : 2;
-}
-
-/* Returns 0, or 2 after a message. */
-static int check_step(const struct scene *scene, const char *path, double rate)
-{
-    dpt_host_error error = { .size = sizeof error };
-    const dpt_result result =
-        scene_bodies_check_step(&scene->bodies, path, run_physics_step(scene, rate), &error);
-    return complain_of("run", result, &error);
-}
-
-/* The coupling that this device can hold, and a world for it. Returns 0, or 2 after a message. */
-static int couple(struct session *session, const struct run_settings *settings, const dpt_device_info *info,
-                  double rate)
-{
-    struct scene *scene = &session->scene;
-    struct coupling_options coupling = settings->coupling;
-    coupling.rate = rate;
-    coupling.loop_delay = info->flags & DPT_DEVICE_FLAG_DETERMINISTIC ? 0.0 : HOST_LOOP_DELAY_PERIODS / rate;
-    coupling.loop_delay += run_physics_delay(scene);
-    session->budget = settings->budget == RUN_BUDGET_BY_RATE ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
-                                                             : (uint32_t)settings->budget;
+    const double rate = settings->rate > 0.0 ? settings->rate : info->rate;
     if (settings->plan_path && fabs(rate - settings->plan.asked.rate) > 1e-3 * rate)
         complain("run", "%s is for %g Hz, and the loop runs at %g: what it promises does not count",
                  settings->plan_path, settings->plan.asked.rate, rate);
-    const int is_recorded = settings->record && !run_is_traced(settings);
-    scene->shows_contacts = settings->view.is_on || is_recorded || scene->force.law != DPT_LAW_PROXY;
-    return run_physics_check(scene, info, is_recorded) ||
-                   choose_coupling(scene, info, &coupling, &session->coupling) ||
-                   make_scene_world(scene, info, session->budget) || check_step(scene, settings->scene.path, rate)
-               ? 2
-               : 0;
+    if (run_physics_check(&session->host.scene, info, is_recorded))
+        return 2;
+    const dpt_result result = host_session_couple(&session->host, &how, info, settings->scene.path, &error);
+    if (error.text[0])
+        complain("run", "%s", error.text);
+    return result == DPT_OK ? 0 : 2;
 }
 
 /* The loop's def; `seconds` is when the clock ends the run. Returns 0, or 2 after a message. */
@@ -353,18 +291,19 @@ static int define_loop(struct session *session, const struct run_settings *setti
 static int run_loop(struct session *session, const struct run_settings *settings, const struct scene_hand *hand,
                     dpt_loop *loop, double seconds, dpt_loop_stats *stats, dpt_result *result)
 {
-    int status = run_view_open(&session->view, &settings->view, &session->scene, settings->scene.path, hand);
+    dpt_host_error error = { .size = sizeof error };
+    int status = run_view_open(&session->view, &settings->view, &session->host.scene, settings->scene.path, hand);
     if (status == 0 && settings->record && !run_is_traced(settings))
-        status = run_record_open(&session->recording, settings->record, &session->scene, &settings->scene,
-                                 settings->plan_path ? &settings->plan.setting : NULL, hand, session->budget);
+        status = run_record_open(&session->recording, settings->record, &session->host.scene, &settings->scene,
+                                 settings->plan_path ? &settings->plan.setting : NULL, hand, session->host.budget);
     if (status == 0)
-        status = run_physics_start(&session->scene, hand->rate);
+        status = complain_of("run", host_session_start(&session->host, &error), &error);
     if (status == 0) {
         stop_watch(loop, seconds);
         *result = dpt_loop_run(loop, stats);
         stop_watch(NULL, HUGE_VAL);
     }
-    scene_physics_stop(session->scene.physics);
+    host_session_stop(&session->host);
     run_view_close(session->view, *result == DPT_OK ? "The run ended." : dpt_result_text(*result), &session->viewed);
     return status;
 }
@@ -372,7 +311,6 @@ static int run_loop(struct session *session, const struct run_settings *settings
 static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)
 {
     dpt_loop_def def;
-    dpt_guard_def guard;
     dpt_loop *loop;
     double seconds;
     dpt_loop_stats stats = { .size = sizeof stats };
@@ -380,20 +318,14 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     dpt_device_info info = { .size = sizeof info };
     if (know_device(device, settings->identified, &info))
         return 2;
-    struct scene_hand hand = { .device = device, .name = settings->device };
-    hand.rate = settings->rate > 0.0 ? settings->rate : info.rate;
-    if (couple(session, settings, &info, hand.rate) || define_loop(session, settings, &info, &def, &seconds))
+    if (couple(session, settings, &info) || define_loop(session, settings, &info, &def, &seconds))
         return 2;
+    const struct scene_hand hand = {
+        .device = device, .name = settings->device, .rate = session->host.rate, .force_max = session->host.guard.force_max
+    };
     if (!def.ticks)
         hint_at_clock(device, &info);
-    dpt_guard_def_init(&guard);
-    guard.hold = fmax(guard.hold, 3.0 / hand.rate);
-    if (!isnan(settings->force_max))
-        guard.force_max = settings->force_max;
-    hand.force_max = guard.force_max;
-    def.guard = &guard;
-    if (!settings->is_active)
-        observe(session, &info, &guard);
+    def.guard = &session->host.guard;
     dpt_result result = dpt_loop_open(device, &def, &loop);
     if (result != DPT_OK)
         return complain("run", "%s", dpt_result_text(result));
@@ -405,7 +337,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     if ((status = closed) == 0 && settings->embeds)
         status = recording_embed_write(&settings->embed, settings->record);
     dpt_device_get_counts(device, &counts);
-    const int is_wrong = scene_trouble_text(&session->trouble, &session->scene, session->wrong);
+    const int is_wrong = scene_trouble_text(&session->host.counts.trouble, &session->host.scene, session->wrong);
     (settings->json ? print_json : print_report)(session, &stats, &counts);
     if (is_wrong)
         status = complain("run", "%s", session->wrong);
@@ -424,10 +356,10 @@ static int take_plan(struct scene *scene, const struct run_settings *settings)
 
 static int run(const struct run_settings *settings)
 {
-    struct session session = { .contacts = 0 };
-    int status = open_scene(&session.scene, &settings->scene);
+    struct session session = { .view = NULL };
+    int status = open_scene(&session.host.scene, &settings->scene);
     if (status == 0 && settings->plan_path)
-        status = take_plan(&session.scene, settings);
+        status = take_plan(&session.host.scene, settings);
     if (status == 0)
         status = open_record(settings, &session);
     if (status == 0) {
@@ -440,7 +372,7 @@ static int run(const struct run_settings *settings)
         }
     }
     run_trace_close(&session.trace);
-    scene_close(&session.scene);
+    scene_close(&session.host.scene);
     return status;
 }
 

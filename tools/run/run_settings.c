@@ -23,37 +23,10 @@ const char *coupling_limit_word(uint32_t limit)
 
 int run_physics_check(const struct scene *scene, const dpt_device_info *device, int is_recorded)
 {
-    dpt_host_error error = { .size = sizeof error };
-    if (scene->physics_rate == 0.0)
-        return 0;
-    if (device->flags & DPT_DEVICE_FLAG_DETERMINISTIC)
-        return complain_of(scene->command, scene_physics_check_loop(scene->physics_rate, device->rate, &error), &error);
-    if (is_recorded)
+    if (scene->physics_rate > 0.0 && is_recorded && !(device->flags & DPT_DEVICE_FLAG_DETERMINISTIC))
         return complain(scene->command, "--physics: with this device the clock decides when vertices move, which "
                                         "is not in a recording. Leave --record out, or --physics");
     return 0;
-}
-
-double run_physics_delay(const struct scene *scene)
-{
-    double delay = 0.0;
-    for (uint32_t i = 0; scene->physics_rate > 0.0 && i < scene->bodies.count; i++)
-        if (scene_body_is_soft(&scene->bodies.body[i]))
-            delay = fmax(delay, scene->bodies.body[i].period);
-    return delay;
-}
-
-double run_physics_step(const struct scene *scene, double loop_rate)
-{
-    return 1.0 / (scene->physics_rate > 0.0 ? scene->physics_rate : loop_rate);
-}
-
-int run_physics_start(struct scene *scene, double loop_rate)
-{
-    if (!scene->physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC)
-        return 0;
-    const dpt_result result = scene_physics_start(scene->physics, loop_rate);
-    return result == DPT_OK ? 0 : complain(scene->command, "--physics: there is no thread for it");
 }
 
 void run_physics_print(const struct scene *scene, int is_json)
@@ -166,7 +139,7 @@ static int read_plan(struct run_settings *settings, size_t operands, const char 
     plan_scene_def(&settings->plan, &settings->scene);
     if (isnan(settings->coupling.stiffness))
         settings->coupling.stiffness = planned->world.stiffness;
-    if (settings->budget == RUN_BUDGET_BY_RATE)
+    if (settings->budget == HOST_BUDGET_BY_RATE)
         settings->budget = planned->world.budget;
     return 0;
 }
@@ -209,7 +182,7 @@ static int check_loop(const struct run_settings *settings)
         return complain("run", "--rate must be 1 to 100000");
     if (settings->cpu > 65535 && settings->cpu != RUN_NO_NUMBER)
         return complain("run", "--cpu must be 0 to 65535");
-    if (settings->budget > UINT32_MAX && settings->budget != RUN_BUDGET_BY_RATE)
+    if (settings->budget > UINT32_MAX && settings->budget != HOST_BUDGET_BY_RATE)
         return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     if (!(settings->seconds > 0.0))
         return complain("run", "--for must be positive");
@@ -273,7 +246,7 @@ static int parse_settings(struct run_settings *settings, struct run_words *words
                                        .cpu = RUN_NO_NUMBER,
                                        .force_max = NAN,
                                        .seconds = HUGE_VAL,
-                                       .budget = RUN_BUDGET_BY_RATE };
+                                       .budget = HOST_BUDGET_BY_RATE };
     scene_def_init(&settings->scene, "run");
     return parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
                          &settings->scene.path, 1, &words->operands);

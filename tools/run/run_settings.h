@@ -4,7 +4,7 @@
 #define DPT_TOOLS_RUN_SETTINGS_H
 
 #include "dynpoint/coupling.h"
-#include "host/host_coupling.h"
+#include "host/host_session.h"
 #include "plan/plan_file.h"
 #include "record/recording_embed.h"
 #include "host/scene.h"
@@ -16,35 +16,21 @@ const char *coupling_limit_word(uint32_t limit);
 
 /* Physics of a run at a rate of its own, `run --physics HZ`. Without that option these do nothing. */
 
-/*
- * Refuse what cannot be had with this device: it is by the device's own time, if it has one; and a recording has nothing
- * of what a thread did. Returns 0, or 2 after a message.
- *   is_recorded   every tick is, for a replay
- */
+/* Refuse a recording with a device that goes by the clock: it has nothing of what a thread did. Returns 0, or 2. */
 int run_physics_check(const struct scene *scene, const dpt_device_info *device, int is_recorded);
 
-/* s: by how much later vertices arrive than with physics in each tick. */
-double run_physics_delay(const struct scene *scene);
-
-/* s: a step of what is soft. */
-double run_physics_step(const struct scene *scene, double loop_rate);
-
-/* Start the thread, unless the device has a time of its own. Returns 0, or 2 after a message. */
-int run_physics_start(struct scene *scene, double loop_rate);
-
-/* A part of the report at the end, after scene_physics_stop: a line, or keys of a JSON object behind others. */
+/* A part of the report at the end, after host_session_stop: a line, or keys of a JSON object behind others. */
 void run_physics_print(const struct scene *scene, int is_json);
 
 /* Not given. */
-#define RUN_NO_NUMBER      UINT64_MAX
-#define RUN_BUDGET_BY_RATE UINT64_MAX
+#define RUN_NO_NUMBER UINT64_MAX
 
 struct run_settings {
     struct scene_def scene;
     const char *device, *record, *identified;
     struct coupling_options coupling;
     double force_max, rate, seconds; /* force_max NAN, rate 0: not given */
-    uint64_t ticks, budget;          /* RUN_BUDGET_BY_RATE: not given */
+    uint64_t ticks, budget;          /* HOST_BUDGET_BY_RATE: not given */
     uint64_t clutch, cpu;            /* RUN_NO_NUMBER: not given */
     struct run_view_options view;
     struct recording_embed embed;

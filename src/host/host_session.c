@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "host/host_session.h"
+
+#include <math.h>
+
+#include "base/return_if_error.h"
+
+/*
+ * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
+ * less, a tool at rest may stay undecided.
+ */
+#define BUDGET_RATE 3e6
+#define BUDGET_MIN  200.0
+
+/* s: by how much later vertices arrive than with physics in each tick. */
+static double physics_delay(const struct scene *scene)
+{
+    double delay = 0.0;
+    for (uint32_t i = 0; scene->physics_rate > 0.0 && i < scene->bodies.count; i++)
+        if (scene_body_is_soft(&scene->bodies.body[i]))
+            delay = fmax(delay, scene->bodies.body[i].period);
+    return delay;
+}
+
+/* The controller stands before the guard, and knows what that will let through. */
+static void observe(struct host_session *session, const dpt_device_info *device)
+{
+    const dpt_guard_def *guard = &session->guard;
+    dpt_passivity_def def;
+    dpt_passivity_def_init(&def);
+    def.damping = device->damping;
+    def.spin_damping = device->spin_damping;
+    def.force_max = fmin(guard->force_max, device->force_max);
+    def.torque_max = fmin(guard->torque_max, device->torque_max);
+    def.force_slew = guard->force_slew;
+    def.torque_slew = guard->torque_slew;
+    def.delay = device->delay;
+    scene_passivity_begin(&session->scene.passivity, &def);
+}
+
+dpt_result host_session_couple(struct host_session *session, const struct host_settings *settings,
+                               const dpt_device_info *device, const char *path, dpt_host_error *error)
+{
+    struct scene *scene = &session->scene;
+    struct coupling_options coupling = settings->coupling;
+    const double rate = settings->rate > 0.0 ? settings->rate : device->rate;
+    const int is_by_clock = !(device->flags & DPT_DEVICE_FLAG_DETERMINISTIC);
+    session->rate = rate;
+    coupling.rate = rate;
+    coupling.loop_delay = (is_by_clock ? HOST_LOOP_DELAY_PERIODS / rate : 0.0) + physics_delay(scene);
+    session->budget = settings->budget == HOST_BUDGET_BY_RATE ? (uint32_t)fmax(BUDGET_RATE / rate, BUDGET_MIN)
+                                                              : (uint32_t)settings->budget;
+    scene->shows_contacts = settings->shows_contacts || scene->force.law != DPT_LAW_PROXY;
+    if (scene->physics_rate > 0.0 && !is_by_clock)
+        DPT_TRY(scene_physics_check_loop(scene->physics_rate, device->rate, error));
+    DPT_TRY(host_coupling_choose(scene, device, &coupling, &session->coupling, error));
+    DPT_TRY(scene_make_world(scene, device, session->budget, error));
+    DPT_TRY(scene_bodies_check_step(&scene->bodies, path,
+                                    1.0 / (scene->physics_rate > 0.0 ? scene->physics_rate : rate), error));
+    dpt_guard_def_init(&session->guard);
+    session->guard.hold = fmax(session->guard.hold, 3.0 / rate);
+    if (!isnan(settings->force_max))
+        session->guard.force_max = settings->force_max;
+    if (!settings->is_active)
+        observe(session, device);
+    return DPT_OK;
+}
+
+dpt_result host_session_start(struct host_session *session, dpt_host_error *error)
+{
+    struct scene *scene = &session->scene;
+    if (!scene->physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC ||
+        scene_physics_start(scene->physics, session->rate) == DPT_OK)
+        return DPT_OK;
+    return host_refuse(error, DPT_E_SYSTEM, "--physics: there is no thread for it");
+}
+
+void host_session_stop(struct host_session *session)
+{
+    scene_physics_stop(session->scene.physics);
+}
+
+static void count(struct host_session *session, const dpt_loop_sample *sample, const dpt_wrench *wrench)
+{
+    struct host_counts *counts = &session->counts;
+    const struct scene *scene = &session->scene;
+    dpt_hit hit = DPT_HIT_INIT;
+    double square = 0.0;
+    scene_puts_tick(&counts->puts, scene);
+    scene_get_hit(scene, &hit);
+    counts->reasons |= sample->state->reasons;
+    counts->contacts += hit.contact != DPT_CONTACT_SEPARATED;
+    counts->penetrating += hit.contact == DPT_CONTACT_PENETRATING;
+    counts->unknown += hit.contact == DPT_CONTACT_UNKNOWN;
+    for (int k = 0; k < 3; k++)
+        square += wrench->force[k] * wrench->force[k];
+    counts->depth_max = fmax(counts->depth_max, scene_depth(scene, sqrt(square) / scene->force_scale, hit.depth));
+    counts->force_max = fmax(counts->force_max, sqrt(square));
+}
+
+dpt_result host_session_feel(struct host_session *session, const dpt_loop_sample *sample, dpt_wrench *wrench)
+{
+    struct scene *scene = &session->scene;
+    const dpt_result result = scene_feel(scene, sample, wrench);
+    scene_trouble_note(&session->counts.trouble, scene, sample, result);
+    session->counts.clutched += (uint64_t)scene->is_clutched;
+    if (result == DPT_OK)
+        count(session, sample, wrench);
+    return result;
+}
