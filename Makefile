@@ -119,7 +119,7 @@ ROOMS := cli shape record run view plot chart measure plan lab
 TOOLS := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,$(ROOMS:%=tools/%/*.c))) $(filter $(B)/tools/%,$(SCENE_FILE)) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
-LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex)
+LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex) $(B)/libdynpoint_host
 
 # What this machine lacks, for the last line of make; not what the user left out, and not with make -s.
 IS_SILENT := $(findstring s,$(filter-out --%,$(firstword -$(MAKEFLAGS))))
@@ -186,7 +186,10 @@ $(B)/libdynpoint.o: $(CORE)
 $(B)/libdynpoint_compile.o: $(COMPILE) $(TEXT)
 $(B)/libdynpoint_drivers.o: $(DRIVER_PARTS) $(TEXT)
 $(B)/libdynpoint_convex.o: $(CONVEX_PARTS)
-$(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o $(B)/libdynpoint_convex.o:
+# Of the drivers' inner parts it has its own: one line of a loop, and the clock.
+HOST_PARTS := $(HOST) $(B)/drivers/loop_line.o $(B)/drivers/clock.o
+$(B)/libdynpoint_host.o: $(HOST_PARTS) $(TEXT)
+$(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o $(B)/libdynpoint_convex.o $(B)/libdynpoint_host.o:
 	$(LD) -r $^ -o $@
 	$(OBJCOPY) --localize-hidden $@
 
@@ -208,10 +211,13 @@ DL := -ldl
 $(B)/libdynpoint_compile.so.$(SOVERSION): private LDLIBS = $(THREADS)
 $(B)/libdynpoint_drivers.so.$(SOVERSION): private LDLIBS = $(THREADS) $(DL)
 $(B)/libdynpoint_convex.so.$(SOVERSION): private LDLIBS = $(CONVEX_LIBS)
+$(B)/libdynpoint_host.so.$(SOVERSION): private LDLIBS = $(THREADS) $(JANSSON_LIBS)
 $(B)/libdynpoint.so.$(SOVERSION): $(CORE)
 $(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
 $(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
 $(B)/libdynpoint_convex.so.$(SOVERSION): $(CONVEX_PARTS) $(B)/libdynpoint.so.$(SOVERSION)
+$(B)/libdynpoint_host.so.$(SOVERSION): $(HOST_PARTS) $(TEXT) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex.so.$(SOVERSION)) \
+  $(B)/libdynpoint_drivers.so.$(SOVERSION) $(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint.so.$(SOVERSION)
 %.so.$(SOVERSION):
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
 	ln -sf $(@F) $*.so
@@ -224,7 +230,7 @@ $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cde
 	@mkdir -p $(@D)
 	CC='$(CC)' sh tools/packaging/cdef.sh include $@ libdynpoint=$(call folders,$(FOLDERS:%=src/%)) \
 	  libdynpoint_compile=src/compile libdynpoint_drivers=drivers libdynpoint_urdf=src/urdf \
-	  libdynpoint_convex=src/convex
+	  libdynpoint_convex=src/convex libdynpoint_host=src/host
 
 amalgamation: $(B)/amalgamation/LICENSE ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
 $(B)/amalgamation/LICENSE: LICENSE tools/packaging/amalgamate.py $(wildcard include/*.h include/*/*.h $(FOLDERS:%=src/%/*.[ch]) src/compile/*.[ch] src/text/*.[ch])
@@ -258,6 +264,8 @@ install: all ## into PREFIX, or DESTDIR and the directory variables
 	    case $$lib in \
 	      *_urdf) echo 'Requires: libdynpoint_compile'; echo 'Requires.private: urdfdom console_bridge expat';; \
 	      *_convex) echo 'Requires: libdynpoint'; echo 'Requires.private: ccd';; \
+      *_host) echo 'Requires: libdynpoint_drivers libdynpoint_compile'; \
+        echo 'Requires.private: $(if $(CONVEX_PARTS),libdynpoint_convex) $(if $(SCENE_FILE),jansson)';; \
       *_*) echo 'Requires: libdynpoint';; esac; \
 	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
 	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_drivers) echo 'Libs.private: -lm $(THREADS) $(DL)';; *_convex) echo 'Libs.private: -lm';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \

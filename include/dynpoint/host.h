@@ -1,10 +1,37 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * libdynpoint_host: a scene that is felt with a device, and safely so. It opens the scene (a name, a scene file, a compiled
+ * mesh or arm) and the device, chooses the stiffest coupling that the device can hold, takes away what energy the scene
+ * would give a hand, and stands with a guard before the motors: what `dynpoint run` does, as a library.
+ *
+ *     dpt_host_def def;
+ *     dpt_host *host;
+ *     dpt_host_error error = { .size = sizeof error };
+ *     dpt_host_def_init(&def);
+ *     def.scene = "liver";
+ *     def.device = "serial:/dev/ttyACM0";
+ *     if (dpt_host_open(&def, &host, &error) != DPT_OK)
+ *         complain(error.text);
+ *     dpt_host_run(host, NULL);                returns after dpt_host_stop(host), or when the device is lost
+ *     dpt_host_close(host);
+ *
+ * The loop may be yours: leave `device` NULL, describe it in `info`, and call dpt_host_tick with each sample.
+ *
+ * Units are SI, in the scene's metres; the device's are the hand's (docs/scene.md, docs/drivers.md).
+ *
+ * Threads: a host belongs to one thread at a time, its callback to the one that runs it. dpt_host_stop may be called from
+ * any thread, and from a signal handler. Physics at a rate of its own has a thread, which dpt_host_run starts and ends.
+ */
 #ifndef DYNPOINT_HOST_H
 #define DYNPOINT_HOST_H
 
 #include "dynpoint/device.h"
+#include "dynpoint/loop.h"
+#include "dynpoint/world.h"
 
 DPT_BEGIN
+
+typedef struct dpt_host dpt_host;
 
 /*
  * What a call has to say to a person, in one line.
@@ -17,6 +44,140 @@ typedef struct dpt_host_error {
     int32_t code;
     char text[1000];
 } dpt_host_error;
+
+/* Bits of dpt_host_def.flags. */
+enum {
+    DPT_HOST_FLAG_UNSTABLE = 1, /* `stiffness` counts, whatever the device can hold */
+    DPT_HOST_FLAG_ACTIVE = 2,   /* what energy the scene gives the hand is not taken away */
+    DPT_HOST_FLAG_CONTACTS = 4, /* the world lists its contacts, for a viewer */
+    DPT_HOST_FLAG_REOPEN = 8,   /* dpt_loop_def.reopen */
+    DPT_HOST_FLAG_AWAKE = 16    /* dpt_loop_def.awake */
+};
+
+/*
+ * Called after each tick that had a sample, with its wrench at the hand before the guard. It must not wait. `result` is
+ * not DPT_OK if the tick gave no force: DPT_E_NOT_READY while the clutch is down.
+ */
+typedef void dpt_host_felt_fn(void *user, dpt_host *host, const dpt_loop_sample *sample, dpt_result result,
+                              const dpt_wrench *wrench);
+
+/*
+ * What is felt, and how. dpt_host_def_init fills in the defaults, which are given last below. What is NAN, or NULL, or
+ * DPT_NONE is that of the scene, or of its file.
+ */
+typedef struct dpt_host_def {
+    uint32_t size;  /* sizeof(dpt_host_def), set by dpt_host_def_init */
+    uint32_t flags; /* DPT_HOST_FLAG_...; 0 */
+    /* A name (dpt_host_get_scene), or the path of a scene file (.json), of a compiled mesh or of a compiled arm; NULL */
+    const char *scene;
+    const char *device; /* as dpt_device_open takes it; NULL: the scene file's, or none where `info` is given; NULL */
+    const char *tool;   /* path of a compiled arm, whose tool is used; NULL */
+    const char *identified; /* path of the device's dynamics (dpt_device_dynamics_read); NULL: as it tells; NULL */
+    /* The device of a loop of your own. Flags, rate, limits and dynamics count. NULL: there is none; NULL */
+    const dpt_device_info *info;
+    const void *reserved_pointer; /* NULL */
+    dpt_host_felt_fn *felt;       /* NULL */
+    void *user;                   /* first argument of `felt`; NULL */
+    uint32_t law;                 /* DPT_LAW_...; DPT_NONE */
+    uint32_t clutch;              /* device button that holds the tool where it is; DPT_NONE */
+    uint32_t budget;              /* units of work a tick; 0: 3e6 a second, so that a tick keeps within its period; 0 */
+    uint32_t cpu;                 /* dpt_loop_def.cpu; 0 */
+    uint64_t ticks;               /* dpt_loop_def.ticks; 0 */
+    double origin[3];             /* of the device, in the scene's frame, m; NAN */
+    double stiffness;             /* N/m; 0: as much as the device can hold; 0 */
+    double gain_margin;           /* dpt_coupling_def.gain_margin; 1.5 */
+    double friction;              /* of all bodies; NAN */
+    double damping;               /* of the tool's spring, Ns/m; 0 */
+    double zoom;                  /* metres of the scene for one of the hand, above 0, at most 1000; NAN */
+    double force_scale;           /* newtons at the hand for one of the scene, 0.001..1000; NAN */
+    double length;                /* of a stylus, m, 0..10; NAN */
+    double radius;                /* of a stylus, m, 0..1; NAN */
+    double physics; /* Hz of what gives way, apart from the loop, 1..5000; 0: in each tick; 0 */
+    double rate;    /* of the loop, Hz, 1..100000; 0: the device's; 0 */
+    double force_max; /* of the guard, N, 0..1000; NAN: the guard's default, and the device's if that is less; NAN */
+} dpt_host_def;
+
+/* What is so now, and what has happened since dpt_host_open. */
+typedef struct dpt_host_info {
+    uint32_t size;               /* sizeof(dpt_host_info), set by the caller */
+    uint32_t limit;              /* what limits the coupling: DPT_COUPLING_... */
+    uint32_t budget;             /* units of work a tick */
+    uint32_t reasons;            /* why the device was not ready: DPT_REASON_... */
+    double stiffness;            /* of the coupling, N/m */
+    double rotational_stiffness; /* Nm/rad; 0: the stiffness times rho^2 (dpt_coupling) */
+    double stable;               /* N/m at the hand: the device is at its limit there; 0: unknown */
+    double rate;                 /* of the loop, Hz */
+    uint64_t ticks;              /* with a sample */
+    uint64_t failed;             /* of them, those that failed and gave no force */
+    uint64_t held;               /* in which a body that could not go on was held where it was (springs.h) */
+    uint64_t clutched;           /* in which the clutch was down */
+    uint64_t contacts;           /* in which the tool touched, or was inside */
+    uint64_t penetrating;        /* in which the device was behind a surface */
+    uint64_t unknown;            /* which the budget left undecided */
+    uint64_t put;                /* in which the proxy was put at the device (docs/algorithms/force.md) */
+    uint64_t inside;             /* without force, as the tool may be inside of something, or behind it */
+    uint64_t limited;            /* whose wrench the controller of passivity changed */
+    double taken;                /* J that it took away */
+    double account_min;          /* J: the least of its account */
+    double depth_max;            /* m of the scene: the deepest */
+    double force_max;            /* N at the hand: the strongest, before the guard */
+    /* What went wrong in ticks, how often, since when and what helps; "": nothing */
+    char trouble[640];
+} dpt_host_info;
+
+/* Fill in the first `size` bytes; what dpt_host_def_init calls with its own caller's sizeof. */
+DPT_API void dpt_host_def_defaults(dpt_host_def *def, size_t size);
+
+static inline void dpt_host_def_init(dpt_host_def *def)
+{
+    dpt_host_def_defaults(def, sizeof *def);
+}
+
+/* The name of a scene that the library makes itself, from 0; NULL after the last one. */
+DPT_API const char *dpt_host_get_scene(uint32_t index);
+
+/*
+ * Open a scene and its device. Texts of the def are used during the call alone.
+ *   host    NULL after a failure
+ *   error   may be NULL
+ *
+ * DPT_E_ARGUMENT: a value is out of range, there is no scene, or neither a device nor an info. DPT_E_ABSENT: this build
+ * reads no scene files. Otherwise what reading, compiling or opening returned.
+ */
+DPT_API dpt_result dpt_host_open(const dpt_host_def *def, dpt_host **host, dpt_host_error *error);
+
+/* Close host and device. It must not be running. NULL is allowed. */
+DPT_API void dpt_host_close(dpt_host *host);
+
+/*
+ * Serve the device in this thread, as dpt_loop_run does: until dpt_host_stop, after `ticks`, or when the device is lost. At
+ * the end it sends zero force.
+ *   stats   may be NULL
+ *
+ * DPT_E_ARGUMENT: the host has no device. Otherwise as dpt_loop_run.
+ */
+DPT_API dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats);
+
+/* End the present run, or the next one if none is running. From any thread, and from a signal handler. */
+DPT_API void dpt_host_stop(dpt_host *host);
+
+/*
+ * One tick of a loop of your own, of a host without a device. Allocates nothing and reads no clock. Physics at a rate of
+ * its own goes by the ticks' time.
+ *   state    the newest sample; `fresh`, `status`, `sequence`, `time_ns` and the pose count
+ *   now_ns   of the clock of time_ns: for the guard
+ *   wrench   out: what to send, after the guard; zero if an argument is NULL, and where the device is not ready
+ *
+ * It returns what the tick returned: DPT_OK also without a fresh sample, and DPT_E_NOT_READY while the clutch is down. The
+ * wrench is to be sent in any case: after a tick that failed the guard ends the force.
+ */
+DPT_API dpt_result dpt_host_tick(dpt_host *host, const dpt_device_state *state, uint64_t now_ns, dpt_wrench *wrench);
+
+DPT_API dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *info);
+
+/* The world and the tool in it, for what world.h, tool.h and snapshot.h tell. NULL and 0 for a host that is NULL. */
+DPT_API dpt_world *dpt_host_get_world(const dpt_host *host);
+DPT_API dpt_tool dpt_host_get_tool(const dpt_host *host);
 
 DPT_END
 

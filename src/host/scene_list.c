@@ -126,6 +126,11 @@ static const struct listed_scene scenes[] = {
 };
 enum { SCENES = sizeof scenes / sizeof *scenes };
 
+const char *scene_listed_name(uint32_t index)
+{
+    return index < SCENES ? scenes[index].name : NULL;
+}
+
 const struct listed_scene *scene_listed(const char *name)
 {
     for (int i = 0; i < SCENES; i++)

@@ -40,6 +40,9 @@ struct listed_scene {
     struct listed_body bodies[LISTED_BODIES_MAX + 1];
 };
 
+/* The name of one, from 0; NULL after the last. */
+const char *scene_listed_name(uint32_t index);
+
 /* The scene of a name; NULL: there is none. */
 const struct listed_scene *scene_listed(const char *name);
 

@@ -308,6 +308,7 @@ dpt_result scene_physics_start(struct scene_physics *physics, double loop_rate)
     sigset_t all, before;
     physics->held_ns = (uint64_t)(1e9 * fmax(SECONDS_HELD, LOOP_PERIODS_HELD / loop_rate));
     physics->has_thread = 1;
+    __atomic_store_n(&physics->must_end, 0u, __ATOMIC_RELAXED);
     /* Signals are for the thread that watches for them. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);

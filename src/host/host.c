@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "dynpoint/host.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/return_if_error.h"
+#include "base/sized.h"
+#include "dynpoint/driver.h"
+#include "dynpoint/identify.h"
+#include "host/host_error.h"
+#include "host/host_session.h"
+#include "loop_line.h"
+
+/* The device of a loop that is the caller's: it has the sample of this tick, and takes its wrench. */
+struct outside {
+    dpt_device device;
+    dpt_device_info info;
+    dpt_device_state state;
+    dpt_wrench wrench;
+};
+
+struct dpt_host {
+    struct host_session session;
+    struct scene_def scene; /* what a scene file says stays with it */
+    int has_scene;
+    dpt_host_felt_fn *felt;
+    void *user;
+    dpt_device *device; /* NULL: ticks are the caller's */
+    dpt_loop *loop;
+    struct outside outside;
+    struct loop_line_def line_def;
+    struct loop_line line;
+};
+
+void dpt_host_def_defaults(dpt_host_def *def, size_t size)
+{
+    const dpt_host_def defaults = { .law = DPT_NONE,
+                                    .clutch = DPT_NONE,
+                                    .origin = { NAN, NAN, NAN },
+                                    .gain_margin = 1.5,
+                                    .friction = NAN,
+                                    .zoom = NAN,
+                                    .force_scale = NAN,
+                                    .length = NAN,
+                                    .radius = NAN,
+                                    .force_max = NAN };
+    sized_defaults(def, size, &defaults, sizeof defaults);
+}
+
+const char *dpt_host_get_scene(uint32_t index)
+{
+    return scene_listed_name(index);
+}
+
+static void outside_info(const dpt_device *device, dpt_device_info *info)
+{
+    const struct outside *outside = (const void *)device;
+    *info = outside->info;
+}
+
+static dpt_result outside_read(dpt_device *device, dpt_device_state *state)
+{
+    const struct outside *outside = (const void *)device;
+    *state = outside->state;
+    return state->status == DPT_DEVICE_STATUS_LOST ? DPT_E_LOST : DPT_OK;
+}
+
+static dpt_result outside_write(dpt_device *device, const dpt_wrench *wrench)
+{
+    struct outside *outside = (void *)device;
+    outside->wrench = *wrench;
+    return DPT_OK;
+}
+
+static dpt_result outside_clear(dpt_device *device)
+{
+    (void)device;
+    return DPT_OK;
+}
+
+static const dpt_driver outside_driver = { .size = sizeof outside_driver,
+                                           .version = DPT_DRIVER_VERSION,
+                                           .name = "outside",
+                                           .info = outside_info,
+                                           .read = outside_read,
+                                           .write = outside_write,
+                                           .clear = outside_clear };
+
+/* NAN is not given. */
+static int is_within(double value, double min, double max)
+{
+    return isnan(value) || (value >= min && value <= max);
+}
+
+/* What no later call looks at. */
+static dpt_result check_def(const dpt_host_def *def, dpt_host_error *error)
+{
+    const uint32_t flags = DPT_HOST_FLAG_UNSTABLE | DPT_HOST_FLAG_ACTIVE | DPT_HOST_FLAG_CONTACTS |
+                           DPT_HOST_FLAG_REOPEN | DPT_HOST_FLAG_AWAKE;
+    const struct {
+        const char *name;
+        double value, min, max;
+        int may_be_nan;
+    } numbers[] = { { "stiffness", def->stiffness, 0.0, 1e9, 0 },
+                    { "gain_margin", def->gain_margin, 1.0, 100.0, 0 },
+                    { "friction", def->friction, 0.0, 10.0, 1 },
+                    { "damping", def->damping, 0.0, 1e9, 0 },
+                    { "force_scale", def->force_scale, 1e-3, 1000.0, 1 },
+                    { "length", def->length, 0.0, 10.0, 1 },
+                    { "radius", def->radius, 0.0, 1.0, 1 },
+                    { "force_max", def->force_max, 0.0, 1000.0, 1 } };
+    if (!def->scene)
+        return host_refuse(error, DPT_E_ARGUMENT, "a scene is needed");
+    if (def->flags & ~flags || def->reserved_pointer || (def->law != DPT_NONE && def->law > DPT_LAW_PROXY) ||
+        (def->clutch != DPT_NONE && def->clutch > 31))
+        return host_refuse(error, DPT_E_ARGUMENT, "flags, law or clutch are none of those that there are");
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (!is_within(numbers[i].value, numbers[i].min, numbers[i].max) ||
+            (isnan(numbers[i].value) && !numbers[i].may_be_nan))
+            return host_refuse(error, DPT_E_ARGUMENT, "%s must be %g to %g", numbers[i].name, numbers[i].min,
+                               numbers[i].max);
+    if (!isnan(def->zoom) && !(def->zoom > 0.0 && def->zoom <= 1000.0))
+        return host_refuse(error, DPT_E_ARGUMENT, "zoom must be above 0, at most 1000");
+    if (def->rate != 0.0 && !(def->rate >= 1.0 && def->rate <= 1e5))
+        return host_refuse(error, DPT_E_ARGUMENT, "rate must be 1 to 100000");
+    for (int k = 0; k < 3; k++)
+        if (!is_within(def->origin[k], -DPT_COORDINATE_MAX, DPT_COORDINATE_MAX))
+            return host_refuse(error, DPT_E_ARGUMENT, "origin must be within 1e6 m");
+    return DPT_OK;
+}
+
+static dpt_result open_scene_of(dpt_host *host, const dpt_host_def *from, dpt_host_error *error)
+{
+    struct scene_def *def = &host->scene;
+    scene_def_init(def, "");
+    def->path = from->scene;
+    def->tool = from->tool;
+    memcpy(def->origin, from->origin, sizeof def->origin);
+    def->has_origin = !isnan(from->origin[0]) && !isnan(from->origin[1]) && !isnan(from->origin[2]);
+    def->zoom = from->zoom;
+    def->force_scale = from->force_scale;
+    def->clutch = from->clutch == DPT_NONE ? -1 : (int)from->clutch;
+    def->length = from->length;
+    def->radius = from->radius;
+    def->physics = from->physics;
+    def->force.friction = from->friction;
+    def->force.damping = from->damping;
+    DPT_TRY(scene_def_read(def, error));
+    DPT_TRY(scene_def_complete(def, from->law == DPT_NONE ? NULL : &from->law, error));
+    if ((def->force.friction > 0.0 || def->force.damping > 0.0) && def->force.law != DPT_LAW_PROXY)
+        return host_refuse(error, DPT_E_ARGUMENT, "friction and damping are for the law proxy");
+    host->has_scene = 1;
+    return scene_open(&host->session.scene, def, error);
+}
+
+/* The device, or that of the caller's loop, and what is known of it. */
+static dpt_result open_device_of(dpt_host *host, const dpt_host_def *def, dpt_device_info *info, dpt_host_error *error)
+{
+    const char *name = def->device || !host->scene.file ? def->device : host->scene.file->device;
+    dpt_device_error why = { .size = sizeof why };
+    info->size = sizeof *info;
+    if (def->info && !def->device) {
+        DPT_TRY(sized_read(def->info, sizeof *info, info, sizeof *info));
+    } else if (name) {
+        if (dpt_device_open(name, &host->device, &why) != DPT_OK)
+            return host_refuse(error, why.code, "%s: %s", name, why.text);
+        if (why.text[0])
+            host_note(error, "%s: %s", name, why.text);
+        DPT_TRY(dpt_device_get_info(host->device, info));
+    } else {
+        return host_refuse(error, DPT_E_ARGUMENT, "a device is needed, or the info of one");
+    }
+    if (def->identified && dpt_device_dynamics_read(def->identified, info, &why) != DPT_OK)
+        return host_refuse(error, why.code, "%s", why.text);
+    return DPT_OK;
+}
+
+static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
+{
+    dpt_host *host = user;
+    const dpt_result result = host_session_feel(&host->session, sample, wrench);
+    if (host->felt)
+        host->felt(host->user, host, sample, result, wrench);
+    return result;
+}
+
+static dpt_result open_loop(dpt_host *host, const dpt_host_def *from)
+{
+    dpt_loop_def def;
+    dpt_loop_def_init(&def);
+    def.tick = feel;
+    def.user = host;
+    def.rate = from->rate;
+    def.ticks = from->ticks;
+    def.guard = &host->session.guard;
+    def.cpu = from->cpu;
+    def.reopen = (from->flags & DPT_HOST_FLAG_REOPEN) != 0;
+    def.awake = (from->flags & DPT_HOST_FLAG_AWAKE) != 0;
+    return dpt_loop_open(host->device, &def, &host->loop);
+}
+
+/* The caller's loop: one line, whose device is outside. */
+static dpt_result open_line(dpt_host *host, const dpt_device_info *info)
+{
+    struct outside *outside = &host->outside;
+    outside->device.driver = &outside_driver;
+    outside->info = *info;
+    outside->state.size = sizeof outside->state;
+    DPT_TRY(loop_line_open(&host->line_def, &outside->device, &host->session.guard,
+                           (uint64_t)(1e9 / host->session.rate + 0.5)));
+    loop_line_begin(&host->line, &host->line_def);
+    return DPT_OK;
+}
+
+static dpt_result open_host(dpt_host *host, const dpt_host_def *def, dpt_host_error *error)
+{
+    dpt_device_info info;
+    const struct host_settings settings = { .coupling = { .stiffness = def->stiffness > 0.0 ? def->stiffness : NAN,
+                                                          .gain_margin = def->gain_margin,
+                                                          .is_unstable = (def->flags & DPT_HOST_FLAG_UNSTABLE) &&
+                                                                         def->stiffness > 0.0 },
+                                            .force_max = def->force_max,
+                                            .rate = def->rate,
+                                            .budget = def->budget ? def->budget : HOST_BUDGET_BY_RATE,
+                                            .is_active = (def->flags & DPT_HOST_FLAG_ACTIVE) != 0,
+                                            .shows_contacts = (def->flags & DPT_HOST_FLAG_CONTACTS) != 0 };
+    host->felt = def->felt;
+    host->user = def->user;
+    DPT_TRY(check_def(def, error));
+    DPT_TRY(open_scene_of(host, def, error));
+    DPT_TRY(open_device_of(host, def, &info, error));
+    if (def->rate == 0.0 && !(info.rate >= 1.0 && info.rate <= 1e5))
+        return host_refuse(error, DPT_E_ARGUMENT, "the device's rate must be 1 to 100000 Hz");
+    DPT_TRY(host_session_couple(&host->session, &settings, &info, def->scene, error));
+    return host->device ? open_loop(host, def) : open_line(host, &info);
+}
+
+dpt_result dpt_host_open(const dpt_host_def *given, dpt_host **out, dpt_host_error *error)
+{
+    dpt_host_def def;
+    dpt_host_error own = { .size = sizeof own };
+    if (out)
+        *out = NULL;
+    if (error)
+        DPT_TRY(sized_check(error, sizeof *error, 0));
+    if (!given || !out)
+        return DPT_E_ARGUMENT;
+    dpt_host_def_init(&def);
+    DPT_TRY(sized_read(given, sizeof def, &def, sizeof def));
+    dpt_host *host = calloc(1, sizeof *host);
+    const dpt_result result = host ? open_host(host, &def, &own) : DPT_E_MEMORY;
+    if (result != DPT_OK && !own.code)
+        host_refuse(&own, result, "%s", dpt_result_text(result));
+    if (result == DPT_OK)
+        *out = host;
+    else
+        dpt_host_close(host);
+    if (error)
+        sized_write(error, sized_of(error), &own, sizeof own);
+    return result;
+}
+
+void dpt_host_close(dpt_host *host)
+{
+    if (!host)
+        return;
+    dpt_loop_close(host->loop);
+    dpt_device_close(host->device);
+    if (host->has_scene)
+        scene_close(&host->session.scene);
+    scene_def_free(&host->scene);
+    free(host);
+}
+
+dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats)
+{
+    dpt_host_error error = { .size = sizeof error };
+    if (!host || !host->loop)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(host_session_start(&host->session, &error));
+    const dpt_result result = dpt_loop_run(host->loop, stats);
+    host_session_stop(&host->session);
+    return result;
+}
+
+void dpt_host_stop(dpt_host *host)
+{
+    if (host)
+        dpt_loop_stop(host->loop);
+}
+
+dpt_result dpt_host_tick(dpt_host *host, const dpt_device_state *state, uint64_t now_ns, dpt_wrench *wrench)
+{
+    static const dpt_wrench zero;
+    dpt_wrench command = zero;
+    dpt_result result = DPT_OK;
+    if (wrench)
+        *wrench = zero;
+    if (!host || !state || !wrench || host->device)
+        return DPT_E_ARGUMENT;
+    struct loop_line *line = &host->line;
+    struct outside *outside = &host->outside;
+    outside->wrench = zero;
+    outside->state.fresh = 0;
+    const dpt_result taken = sized_read(state, sizeof *state, &outside->state, sizeof outside->state);
+    loop_line_read(line);
+    loop_line_check_loss(line, now_ns, 0);
+    if (loop_line_has_sample(line, 1.0 / host->session.rate))
+        result = feel(host, &line->sample, &command);
+    loop_line_count(line, result == DPT_OK);
+    loop_line_send(line, &command, now_ns, now_ns);
+    *wrench = outside->wrench;
+    return taken == DPT_OK ? result : taken;
+}
+
+dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
+{
+    dpt_host_info info = { .size = sizeof info };
+    if (!out)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(sized_check(out, sizeof *out, 0));
+    if (host) {
+        const struct host_session *session = &host->session;
+        const struct host_counts *counts = &session->counts;
+        const dpt_passivity_info passivity = scene_passivity_info(&session->scene.passivity);
+        info.limit = session->coupling.limit;
+        info.budget = session->budget;
+        info.reasons = counts->reasons;
+        info.stiffness = session->coupling.stiffness;
+        info.rotational_stiffness = session->coupling.rotational_stiffness;
+        info.stable = session->coupling.stable;
+        info.rate = session->rate;
+        info.ticks = session->scene.ticks;
+        info.failed = counts->trouble.failed;
+        info.held = session->scene.bodies.held;
+        info.clutched = counts->clutched;
+        info.contacts = counts->contacts;
+        info.penetrating = counts->penetrating;
+        info.unknown = counts->unknown;
+        info.put = counts->puts.squeezed + counts->puts.turned;
+        info.inside = counts->puts.inside;
+        info.limited = passivity.acted;
+        info.taken = passivity.taken;
+        info.account_min = passivity.account_min;
+        info.depth_max = counts->depth_max;
+        info.force_max = counts->force_max;
+        scene_trouble_text(&counts->trouble, &session->scene, info.trouble);
+    }
+    sized_write(out, sized_of(out), &info, sizeof info);
+    return host ? DPT_OK : DPT_E_ARGUMENT;
+}
+
+dpt_world *dpt_host_get_world(const dpt_host *host)
+{
+    return host ? host->session.scene.world : NULL;
+}
+
+dpt_tool dpt_host_get_tool(const dpt_host *host)
+{
+    return host ? host->session.scene.tool : 0;
+}
