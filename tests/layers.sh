@@ -47,9 +47,10 @@ function set_rules(folders, count, i)
     inner["compile"] = "text";             public["compile"] = "core"
     inner["urdf"] = "";                    public["urdf"] = "core compile"
     inner["convex"] = "";                  public["convex"] = "core"
-    inner["bindings"] = "";                public["bindings"] = "core compile urdf convex drivers"
+    inner["bindings"] = "";                public["bindings"] = "core compile urdf convex drivers host"
     inner["drivers"] = "text";             public["drivers"] = "core"
-    inner["tools"] = "text compile drivers"; public["tools"] = "core urdf convex"
+    inner["host"] = "text drivers";        public["host"] = "core compile convex"
+    inner["tools"] = "text compile drivers host"; public["tools"] = "core urdf convex"
     never["drivers"] = "mesh"
     inner["include"] = "";                 public["include"] = ""
     # Headers of the core that the others may include, if they are wholly static inline.
@@ -129,13 +130,14 @@ function resolve(file, name, quoted, place, folder)
         return ""
     }
     if (folder == "drivers/serial" && name ~ /^wire(_device)?[.]h$/ && (place = folder "/" name) in exists) return place
+    if (file ~ /^src\/host\// && (place = "drivers/" name) in exists) return place
     if (!(file ~ /^src\// && name !~ /\//)) {
         if ((place = "include/" name) in exists) return place
         if (file !~ /^include\// && (place = "src/" name) in exists) return place
         if (file ~ /^(drivers|tools)\// && (place = "drivers/" name) in exists) return place
         if (file ~ /^tools\// && (place = "tools/" name) in exists) return place
     }
-    if (!quoted || (file ~ /^(drivers|tools)\// && name == generated)) return ""
+    if (!quoted || (file ~ /^(drivers|tools|src\/host)\// && name == generated)) return ""
     if ((place = folder "/" name) in exists) {
         sub(/^[a-z]*\//, "", place)
         find("root", file " includes " name ": write " place)

@@ -132,6 +132,7 @@ else
     if command -v python3 >/dev/null 2>&1; then
         run "other languages" python3 tests/ffi/touch.py build
         run "declarations for other languages" python3 tests/ffi/cdef.py build
+        run "a host in another language" python3 -B tests/ffi/host.py build
         run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build
     else
         skip "other languages" "no python3"

@@ -3,7 +3,7 @@
 # in $(B)/tests. A program is linked with every other source of its folder, and with what it uses of tests/lib.
 
 # Those of other folders are linked in a way of their own, below.
-TOPICS := base mesh compile kernel nearest sweep hull contact strip query force deform exchange track proxy world arm drivers tools view $(if $(VIEW_SERVER),view/server) fuzz
+TOPICS := base mesh compile kernel nearest sweep hull contact strip query force deform exchange track proxy world arm drivers host tools view $(if $(VIEW_SERVER),view/server) fuzz
 EXACT_TESTS := test_sweep_exact test_sweep_moving
 TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
@@ -100,7 +100,7 @@ $(B)/tests/test_exactness: | $(B)/dynpoint
 tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
 TOOLS_LIB := $(B)/tests/tools.a
 $(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o,$(TOOLS)) $(filter-out $(B)/src/host/shape%,$(HOST)) $(URDF_PARTS) $(CONVEX_PARTS)
-TOOLS_TESTS := $(call tests_of,tests/tools) $(call tests_of,tests/view) $(call tests_of,tests/view/server) $(B)/tests/test_springs_passes $(B)/tests/test_fuzz
+TOOLS_TESTS := $(call tests_of,tests/host) $(call tests_of,tests/tools) $(call tests_of,tests/view) $(call tests_of,tests/view/server) $(B)/tests/test_springs_passes $(B)/tests/test_fuzz
 $(TOOLS_TESTS): $(TOOLS_LIB)
 TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) $(CONVEX_LIBS)
 $(TOOLS_TESTS): private LDLIBS = $(TOOLS_TEST_LIBS)

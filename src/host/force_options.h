@@ -3,7 +3,9 @@
 #ifndef DPT_HOST_FORCE_OPTIONS_H
 #define DPT_HOST_FORCE_OPTIONS_H
 
-#include "dynpoint.h"
+#include "dynpoint/body.h"
+#include "dynpoint/tool.h"
+#include "dynpoint/world.h"
 
 struct force_options {
     uint32_t law;                /* DPT_LAW_... */

@@ -36,28 +36,32 @@ static void measure_tool(const struct scene *scene, double *rho, double *lever)
 static void say_why(const struct scene *scene, const dpt_coupling *coupling, double asked, dpt_host_error *error)
 {
     const char *which = scene->zoom != 1.0 || scene->force_scale != 1.0 ? " of the scene" : "";
+    const char *by_rotation = coupling->limit == DPT_COUPLING_ROTATION ? ", as its rotation is weaker" : "";
     switch (coupling->limit) {
     case DPT_COUPLING_STABILITY:
     case DPT_COUPLING_ROTATION:
         if (coupling->delay_needed > 0.0)
             host_note(error,
-                     "%g N/m%s need T/2 + t_d <= %.3g ms; this device has %.3g. It is held by %.4g "
-                     "N/m%s (--unstable takes %g all the same)",
-                     asked, which, 1e3 * coupling->delay_needed, 1e3 * coupling->delay, coupling->stiffness,
-                     coupling->limit == DPT_COUPLING_ROTATION ? ", as its rotation is weaker" : "", asked);
+                      "%g N/m%s need T/2 + t_d <= %.3g ms; this device has %.3g. It is held by %.4g "
+                      "N/m%s (--unstable takes %g all the same)",
+                      asked, which, 1e3 * coupling->delay_needed, 1e3 * coupling->delay, coupling->stiffness,
+                      by_rotation, asked);
+        else
+            host_note(error, "%.4g N/m instead of %g%s: this device holds no more, however short its delay%s (--unstable "
+                      "takes %g all the same)",
+                      coupling->stiffness, asked, which, by_rotation, asked);
         break;
     case DPT_COUPLING_STEP:
-        host_note(error, "%.4g N/m instead of %g: the device's steps would be felt", coupling->stiffness,
-                 asked);
+        host_note(error, "%.4g N/m instead of %g: the device's steps would be felt", coupling->stiffness, asked);
         break;
     case DPT_COUPLING_MAKER:
         host_note(error, "%.4g N/m instead of %g: its maker states no more", coupling->stiffness, asked);
         break;
     case DPT_COUPLING_UNKNOWN:
         host_note(error,
-                 "%.4g N/m instead of %g: the device's mass and damping are not known. Measure "
-                 "them: dynpoint device identify (--unstable takes %g all the same)",
-                 coupling->stiffness, asked, asked);
+                  "%.4g N/m instead of %g: the device's mass and damping are not known. Measure "
+                  "them: dynpoint device identify (--unstable takes %g all the same)",
+                  coupling->stiffness, asked, asked);
         break;
     default:
         break;

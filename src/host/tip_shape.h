@@ -11,6 +11,7 @@
 
 #include "host/force_options.h"
 #include "host/host_error.h"
+#include "dynpoint/arm.h"
 #include "dynpoint/convex.h"
 #include "dynpoint/hull.h"
 

@@ -17,7 +17,7 @@ urdf=
 [ ! -e "$build/libdynpoint_urdf.a" ] || urdf=libdynpoint_urdf
 convex=
 [ ! -e "$build/libdynpoint_convex.a" ] || convex=libdynpoint_convex
-for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; do
+for lib in libdynpoint libdynpoint_compile libdynpoint_drivers libdynpoint_host $urdf $convex; do
     nm -D --with-symbol-versions --defined-only "$build/$lib.so.1" >"$scratch/$lib.versions"
     awk '$2 != "A" { sub(/@.*/, "", $3); print $3 }' "$scratch/$lib.versions" | LC_ALL=C sort >"$scratch/$lib.symbols"
     diff "$here/$lib.symbols" "$scratch/$lib.symbols"
@@ -61,10 +61,10 @@ elif ! command -v abidiff >/dev/null 2>&1 || ! command -v abidw >/dev/null 2>&1;
     skip "types of arguments as in 0.3: no abidiff (Debian: abigail-tools)"
 elif [ "$(uname -m)" != x86_64 ]; then
     skip "types of arguments as in 0.3: the descriptions are of x86-64"
-elif ! sh "$here/describe.sh" "$scratch/described" "$scratch/abi" libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; then
+elif ! sh "$here/describe.sh" "$scratch/described" "$scratch/abi" libdynpoint libdynpoint_compile libdynpoint_drivers libdynpoint_host $urdf $convex; then
     verdict 1 "the libraries are described"
 else
-    for lib in libdynpoint libdynpoint_compile libdynpoint_drivers $urdf $convex; do
+    for lib in libdynpoint libdynpoint_compile libdynpoint_drivers libdynpoint_host $urdf $convex; do
         losses "$here/$lib.abi" "$scratch/abi/$lib.abi"
         verdict $? "$lib has all functions and types that 0.3 had"
     done
@@ -188,7 +188,7 @@ verdict $? "it names every public struct and constant"
 awk '/^typedef struct dpt_[a-z_]+ {$|^struct dpt_[a-z_]+ {$/ { sub(/ {$/, ""); sub(/.* /, ""); name = $0; next }
     name != "" && /^ *uint32_t size;/ { print name } { name = "" }' "$scratch/public.h" >"$scratch/sized"
 for name in $(grep -vxE 'dpt_loop_sample|dpt_selftest_line|dpt_identify_progress|dpt_driver' "$scratch/sized"); do
-    grep -rqE "\"(its )?$name[ \"]" tests/arm tests/base tests/compile tests/convex tests/deform tests/drivers tests/hull tests/proxy tests/urdf tests/world || echo "  $name"
+    grep -rqE "\"(its )?$name[ \"]" tests/arm tests/base tests/compile tests/convex tests/deform tests/drivers tests/host tests/hull tests/proxy tests/urdf tests/world || echo "  $name"
 done >"$scratch/unasked"
 cat "$scratch/unasked"
 [ "$(wc -l <"$scratch/sized")" -gt 30 ] && [ ! -s "$scratch/unasked" ]
@@ -221,6 +221,7 @@ done
 exact=$(sed -n 's/^EXACT := //p' Makefile)
 strict=0
 [ -n "$convex" ] && optional= || optional="! -path src/convex/*"
+grep -q DPT_HAS_JANSSON "$build/built_with.h" || optional="$optional ! -path src/host/json_value.c"
 for source in $(set -f; find src drivers -name '*.c' ! -path 'src/bindings/*' $optional); do
     ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build" -O1 $exact -fPIC -fsyntax-only "$source" || strict=1
 done
@@ -322,7 +323,7 @@ verdict $? "LWS=no VIEW_PAGE=no builds a program without libwebsockets"
 # Pages show parts of scripts that run; a line of them that these have no more is a lie.
 for page in docs/ffi.md docs/recipes.md; do
     sed -n '/^```python/,/^```/p' $page | grep -v '^```' |
-        grep -vxF -f tests/ffi/touch.py -f tests/ffi/cdef.py -f docs/samples/own_physics.py
+        grep -vxF -f tests/ffi/touch.py -f tests/ffi/cdef.py -f tests/ffi/host.py -f docs/samples/own_physics.py
     [ $? -eq 1 ]
     verdict $? "$page shows lines of tests/ffi and docs/samples"
 done
@@ -411,6 +412,18 @@ int main(void) { dpt_device *d; dpt_guard g = { .size = sizeof g };
         ! LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/own_driver" elsewhere 2>/dev/null
     verdict $? "docs/samples/own_driver.c builds and is served"
 
+    sample=docs/samples/safe_device.c
+    ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint_host) -Wl,-rpath-link,"$root/opt/dp/lib64" -o "$scratch/safe_device" &&
+        LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/safe_device" membrane 'sim:?hand=press' 1000 >"$scratch/felt" &&
+        grep -qx '1000 ticks, in contact on [1-9][0-9]*, at most 0\.[1-9][0-9]* N, coupled by 667\.2 N/m' "$scratch/felt" &&
+        ! LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/safe_device" nothing sim 2>"$scratch/says" && grep -q '^nothing: cannot be opened' "$scratch/says"
+    verdict $? "$sample builds, feels a membrane, and says what it cannot open"
+    flags=$(pkg-config --static --libs libdynpoint_host | sed "s|/opt/dp|$root/opt/dp|g; s|-ldynpoint[a-z_]*||g")
+    ${CC:-cc} $c99 $sample -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_host.a" ${convex:+"$root/opt/dp/lib64/libdynpoint_convex.a"} \
+        "$root/opt/dp/lib64/libdynpoint_drivers.a" "$root/opt/dp/lib64/libdynpoint_compile.a" "$root/opt/dp/lib64/libdynpoint.a" $flags -o "$scratch/safe_static" &&
+        "$scratch/safe_static" membrane 'sim:?hand=press' 1000 | cmp - "$scratch/felt"
+    verdict $? "and with the static libraries it feels the same"
+
     sample=docs/samples/first_touch.c
     ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint) -o "$scratch/sample_shared" &&
         ${CC:-cc} $c99 $sample -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint.a" -lm \
@@ -441,7 +454,7 @@ int main(void) { dpt_device *d; dpt_guard g = { .size = sizeof g };
         [ "$(awk '$4 > 0' "$scratch/felt" | wc -l)" -gt 10 ]
     verdict $? "and in two threads"
 else
-    for what in "a program" "a static program" "threads" "a host" "a driver of its own" "the sample" "the sample on a liver" "the sample on a box" "physics of its own" "that in two threads"; do
+    for what in "a program" "a static program" "threads" "a host" "a driver of its own" "a safe device" "that with static libraries" "the sample" "the sample on a liver" "the sample on a box" "physics of its own" "that in two threads"; do
         skip "$what with the installed .pc: no pkg-config"
     done
 fi

@@ -36,6 +36,8 @@ chosen()
     feels --device 'sim:?hand=press&delay=1' --stiffness 500
     check "less than is asked for: $(number stiffness)" is_near "$(number stiffness)" 222.5 1e-3
     check "why: $(cat stderr)" grep -q '^dynpoint run: 500 N/m need T/2 + t_d <= 0.667 ms; this device has 1.5\. ' stderr
+    feels --device 'sim:?hand=press' --stiffness 1e6
+    check "nor can it be as stiff as any number: $(cat stderr)" grep -q '^dynpoint run: 667.2 N/m instead of 1e+06: this device holds no more' stderr
     feels --device 'sim:?hand=press&delay=1' --stiffness 500 --unstable
     check 'all the same' grep -q '"stiffness":500,"limit":"asked"' stdout
     check 'then nothing is said' test ! -s stderr
