@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * libdynpoint_host: a loop of the library's and one of the caller's feel the same, bit for bit; what is refused says why;
- * silence and loss end the force. That a host feels what `dynpoint run` does is for tests/tools/cli_host.sh.
+ * silence and loss end the force. That a host feels what `dynpoint run` does is for tests/ffi/host.py.
  */
 #include <math.h>
 #include <pthread.h>
