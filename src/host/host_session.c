@@ -2,6 +2,7 @@
 #include "host/host_session.h"
 
 #include <math.h>
+#include <stdio.h>
 
 #include "base/return_if_error.h"
 
@@ -64,6 +65,15 @@ dpt_result host_session_couple(struct host_session *session, const struct host_s
     if (!settings->is_active)
         observe(session, device);
     return DPT_OK;
+}
+
+void host_session_text(const struct host_session *session, const struct scene_def *def, const char *device,
+                       struct scene_text *text)
+{
+    scene_text_of(text, &session->scene, def);
+    snprintf(text->device, sizeof text->device, "%s", device);
+    text->force_max = session->guard.force_max;
+    text->budget = session->budget;
 }
 
 dpt_result host_session_start(struct host_session *session, dpt_host_error *error)

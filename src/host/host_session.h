@@ -7,6 +7,7 @@
 #include "host/host_coupling.h"
 #include "host/scene.h"
 #include "host/scene_puts.h"
+#include "host/scene_text.h"
 #include "host/scene_trouble.h"
 
 /* A budget: 3000 units a tick at 1 kHz, in proportion to the period, so that a tick keeps within one. */
@@ -53,6 +54,10 @@ dpt_result host_session_couple(struct host_session *session, const struct host_s
  */
 dpt_result host_session_start(struct host_session *session, dpt_host_error *error);
 void host_session_stop(struct host_session *session);
+
+/* The text of a recording's header. device: its name */
+void host_session_text(const struct host_session *session, const struct scene_def *def, const char *device,
+                       struct scene_text *text);
 
 /* A tick: the wrench at the hand, before the guard. Allocates nothing, reads no clock. */
 dpt_result host_session_feel(struct host_session *session, const dpt_loop_sample *sample, dpt_wrench *wrench);

@@ -12,9 +12,11 @@
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "host/host_session.h"
+#include "host/scene_record.h"
 #include "plan/plan_trace.h"
 #include "record/recording_embed.h"
-#include "record/run_record.h"
+#include "record/plan_text.h"
+#include "record/run_trace.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
 #include "view/run_view.h"
@@ -26,7 +28,7 @@
 struct session {
     struct host_session host;
     char wrong[SCENE_TROUBLE_BYTES]; /* the text of what went wrong, after the run */
-    struct run_record recording;
+    struct scene_record recording;
     struct run_trace trace;
     struct run_view *view;
     struct run_view_report viewed;
@@ -37,12 +39,12 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     struct session *session = user;
     struct scene *scene = &session->host.scene;
     const uint64_t failed = session->host.counts.trouble.failed;
-    run_record_begin(&session->recording);
+    scene_record_begin(&session->recording);
     run_view_begin(session->view);
     const dpt_result result = host_session_feel(&session->host, sample, wrench);
     if (result == DPT_OK || session->host.counts.trouble.failed > failed)
         run_view_tick(session->view, scene, sample, result);
-    run_record_tick(&session->recording, scene, sample, result, wrench);
+    scene_record_tick(&session->recording, scene, sample, result, wrench);
     if (result == DPT_OK)
         run_trace_tick(&session->trace, &scene->stylus);
     return result;
@@ -51,7 +53,7 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
 static void idle(void *user, const dpt_loop_sample *sample)
 {
     struct session *session = user;
-    run_record_idle(&session->recording, sample);
+    scene_record_idle(&session->recording, sample);
 }
 
 static int open_record(const struct run_settings *settings, struct session *session)
@@ -287,6 +289,34 @@ static int define_loop(struct session *session, const struct run_settings *setti
     return 0;
 }
 
+/* Returns 0, or 2 after a message. */
+static int open_recording(struct session *session, const struct run_settings *settings)
+{
+    const struct scene *scene = &session->host.scene;
+    const int waits = (scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
+    dpt_host_error error = { .size = sizeof error };
+    struct scene_text *text = malloc(sizeof *text);
+    if (!text)
+        return complain("run", "memory ran out");
+    host_session_text(&session->host, &settings->scene, settings->device, text);
+    if (settings->plan_path)
+        plan_text_note(text, &settings->plan.setting);
+    const dpt_result result =
+        scene_record_open(&session->recording, settings->record, scene, text, session->host.rate, waits, &error);
+    free(text);
+    return complain_of("run", result, &error);
+}
+
+/* Returns 0, or 2 after a message. */
+static int close_recording(struct scene_record *recording)
+{
+    dpt_host_error error = { .size = sizeof error };
+    const dpt_result result = scene_record_close(recording, &error);
+    if (error.text[0])
+        complain("run", "%s", error.text);
+    return result == DPT_OK ? 0 : 2;
+}
+
 /* Run the loop beside its viewers, its recording and its physics. Returns 0, or 2 after a message. */
 static int run_loop(struct session *session, const struct run_settings *settings, const struct scene_hand *hand,
                     dpt_loop *loop, double seconds, dpt_loop_stats *stats, dpt_result *result)
@@ -294,8 +324,7 @@ static int run_loop(struct session *session, const struct run_settings *settings
     dpt_host_error error = { .size = sizeof error };
     int status = run_view_open(&session->view, &settings->view, &session->host.scene, settings->scene.path, hand);
     if (status == 0 && settings->record && !run_is_traced(settings))
-        status = run_record_open(&session->recording, settings->record, &session->host.scene, &settings->scene,
-                                 settings->plan_path ? &settings->plan.setting : NULL, hand, session->host.budget);
+        status = open_recording(session, settings);
     if (status == 0)
         status = complain_of("run", host_session_start(&session->host, &error), &error);
     if (status == 0) {
@@ -331,7 +360,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
         return complain("run", "%s", dpt_result_text(result));
     int status = run_loop(session, settings, &hand, loop, seconds, &stats, &result);
     dpt_loop_close(loop);
-    const int closed = run_record_close(&session->recording);
+    const int closed = close_recording(&session->recording);
     if (status)
         return status;
     if ((status = closed) == 0 && settings->embeds)

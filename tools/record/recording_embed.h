@@ -7,7 +7,7 @@
 #define DPT_TOOLS_RECORDING_EMBED_H
 
 #include "record/recording_file.h"
-#include "record/scene_text.h"
+#include "host/scene_text.h"
 
 enum { EMBED_SCENE, EMBED_TOOL, EMBED_FILES };
 enum { EMBED_FAULT_BYTES = 200 };

@@ -11,8 +11,8 @@
 #include "cli/scene_command.h"
 #include "measure/measure_setting.h"
 #include "record/recording_file.h"
-#include "record/run_record.h"
-#include "record/scene_text.h"
+#include "host/scene_record.h"
+#include "record/plan_text.h"
 #include "host/scene_list.h"
 #include "host/scene_trouble.h"
 
@@ -156,11 +156,12 @@ int replay_recording(int argc, char **argv)
     struct recording_file recording;
     struct scene scene = { .world = NULL };
     struct scene_text *text = malloc(sizeof *text);
+    dpt_host_error error = { .size = sizeof error };
     struct comparison_of_records compared = { .path = operand[0] };
     status = recording_open(&recording, "replay", operand[0]);
     if (status == 0)
         status =
-            text ? scene_text_read(text, "replay", operand[0], recording.text) : complain("replay", "memory ran out");
+            text ? complain_of("replay", scene_text_read(text, operand[0], recording.text, &error), &error) : complain("replay", "memory ran out");
     if (status == 0)
         status = recording_scene_open(&scene, "replay", operand[0], text, operands > 1 ? operand[1] : NULL, tool);
     if (status == 0) {
@@ -242,7 +243,7 @@ static int take_plan(struct scene *scene, const struct scene_text *text, const c
         text->plan_sweep_budget > max || text->plan_strip_capacity > max || text->plan_rigid_low > max ||
         text->plan_rigid_high > max)
         return complain(scene->command, "%s: its header has a plan's setting that is none", path);
-    *setting = scene_text_setting(text);
+    *setting = plan_text_setting(text);
     measure_setting_change(setting, &scene->bodies);
     scene->planned = &setting->world;
     return 0;

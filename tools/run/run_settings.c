@@ -13,7 +13,7 @@
 #include "measure/measure_setting.h"
 #include "plan/plan_file.h"
 #include "plan/plan_trace.h"
-#include "record/run_record.h"
+#include "record/run_trace.h"
 
 const char *coupling_limit_word(uint32_t limit)
 {

@@ -9,7 +9,7 @@
 #include "dynpoint/snapshot.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
-#include "record/run_record.h"
+#include "host/scene_record.h"
 #include "host/scene_list.h"
 #include "host/scene_trouble.h"
 #include "view/view_scene.h"
@@ -183,11 +183,12 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     struct recording_file recording;
     struct scene scene = { .world = NULL };
     struct scene_text *text = malloc(sizeof *text);
+    dpt_host_error error = { .size = sizeof error };
     struct filming *filming = calloc(1, sizeof *filming);
     char why[256 + SCENE_TROUBLE_BYTES] = "";
     int status = recording_open(&recording, "view", files->recording);
     if (status == 0)
-        status = text && filming ? scene_text_read(text, "view", files->recording, recording.text)
+        status = text && filming ? complain_of("view", scene_text_read(text, files->recording, recording.text, &error), &error)
                                  : complain("view", "memory ran out");
     if (status == 0)
         status = check_mesh(files, text);

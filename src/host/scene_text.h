@@ -3,8 +3,8 @@
  * The text of a recording's header: lines "key=value" with what a replay needs to make the same scene again
  * (docs/format.md). A key that is not known is skipped.
  */
-#ifndef DPT_TOOLS_SCENE_TEXT_H
-#define DPT_TOOLS_SCENE_TEXT_H
+#ifndef DPT_HOST_SCENE_TEXT_H
+#define DPT_HOST_SCENE_TEXT_H
 
 #include "dynpoint/record.h"
 #include "host/scene.h"
@@ -30,7 +30,7 @@ struct scene_text {
     uint64_t passivity; /* 1: there was an observer, with these fields of its def */
     double passive_damping, passive_spin_damping, passive_force_max, passive_torque_max;
     double passive_force_slew, passive_torque_slew, passive_delay;
-    /* 1: the setting is that of a plan, with these fields of it (struct measure_setting). */
+    /* 1: the setting is that of a plan, with these fields of it (docs/plan.md). */
     uint64_t planned;
     uint64_t plan_until, plan_certificate_bytes, plan_max_contacts, plan_smooth_normals;
     uint64_t plan_sweep_budget, plan_strip_capacity, plan_iterations;
@@ -42,19 +42,14 @@ struct scene_text {
     struct jaw_motion jaw;
 };
 
-struct measure_setting; /* measure/measure_setting.h */
+/* Of a scene whose world was made. The device's name, the guard's limit and the budget are left to the caller. */
+void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def);
 
-/* Of a scene whose world was made; planned: by a plan, or NULL. */
-void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def,
-                   const struct measure_setting *planned);
+/* Write it into `out`, the tool's segments and tips at its end. */
+dpt_result scene_text_write(const struct scene_text *text, const struct scene *scene,
+                            char out[DPT_RECORD_TEXT_MAX + 1], dpt_host_error *error);
 
-/* The setting of a plan, as far as a scene's text has it; law, stiffness and the like are the text's own. */
-struct measure_setting scene_text_setting(const struct scene_text *text);
-
-/* Write it into `out`, the tool's segments and tips at its end. Returns 0, or 2 after a message. */
-int scene_text_write(const struct scene_text *text, const struct scene *scene, char out[DPT_RECORD_TEXT_MAX + 1]);
-
-/* Read it. Returns 0, or 2 after a message that names the line and the file. */
-int scene_text_read(struct scene_text *text, const char *command, const char *path, const char *in);
+/* Read it. The error names the line and the file. */
+dpt_result scene_text_read(struct scene_text *text, const char *path, const char *in, dpt_host_error *error);
 
 #endif

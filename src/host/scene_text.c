@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "record/scene_text.h"
+#include "host/scene_text.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "cli/command_options.h"
-#include "cli/law_name.h"
-#include "measure/measure_setting.h"
+#include "host/setting_words.h"
 #include "text/parse_number.h"
 
 enum kind { TEXT, COUNT, NUMBER };
@@ -83,50 +82,12 @@ enum { KEYS = sizeof keys / sizeof *keys };
 /* A line for the jaws, where their motion was given. */
 #define JAW_KEY "jaw="
 
-static void note_plan(struct scene_text *text, const struct measure_setting *setting)
-{
-    const dpt_world_def *world = &setting->world;
-    text->planned = 1;
-    text->plan_until = world->until;
-    text->plan_certificate_bytes = world->certificate_bytes;
-    text->plan_margin = world->margin;
-    text->plan_max_contacts = world->max_contacts;
-    text->plan_smooth_normals = world->smooth_normals;
-    text->plan_sweep_budget = world->sweep_budget;
-    text->plan_strip_capacity = world->strip_capacity;
-    text->plan_rigid_low = setting->rigid & UINT32_MAX;
-    text->plan_rigid_high = setting->rigid >> 32;
-    text->plan_integrator = (uint64_t)(setting->integrator + 1);
-    text->plan_iterations = setting->iterations;
-}
-
-struct measure_setting scene_text_setting(const struct scene_text *text)
-{
-    struct measure_setting setting = { .parts = 1,
-                                       .friction = NAN,
-                                       .rigid = text->plan_rigid_low | text->plan_rigid_high << 32,
-                                       .integrator = (int32_t)text->plan_integrator - 1,
-                                       .iterations = (uint32_t)text->plan_iterations,
-                                       .sleep_speed = NAN };
-    dpt_world_def *world = &setting.world;
-    dpt_world_def_init(world);
-    world->until = (uint32_t)text->plan_until;
-    world->certificate_bytes = text->plan_certificate_bytes;
-    world->margin = text->plan_margin;
-    world->max_contacts = (uint32_t)text->plan_max_contacts;
-    world->smooth_normals = (uint32_t)text->plan_smooth_normals;
-    world->sweep_budget = (uint32_t)text->plan_sweep_budget;
-    world->strip_capacity = (uint32_t)text->plan_strip_capacity;
-    return setting;
-}
-
-void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def,
-                   const struct measure_setting *planned)
+void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def)
 {
     memset(text, 0, sizeof *text);
     snprintf(text->scene, sizeof text->scene, "%s", def->path);
     snprintf(text->tool, sizeof text->tool, "%s", def->tool ? def->tool : "");
-    snprintf(text->law, sizeof text->law, "%s", law_name(scene->force.law));
+    snprintf(text->law, sizeof text->law, "%s", law_names[scene->force.law]);
     snprintf(text->device_kind, sizeof text->device_kind, "%s", scene->device.name);
     text->scene_bytes = scene->file.bytes;
     text->scene_crc32 = scene->file.crc32;
@@ -154,8 +115,6 @@ void scene_text_of(struct scene_text *text, const struct scene *scene, const str
         text->passive_torque_slew = def_of->torque_slew;
         text->passive_delay = def_of->delay;
     }
-    if (planned)
-        note_plan(text, planned);
     text->sweep_budget = scene->sweep_budget;
     text->physics = scene->physics_rate;
     text->length = def->length;
@@ -223,7 +182,8 @@ static void append_key(struct writer *writer, const struct key *key, const struc
     append(writer, "\n");
 }
 
-int scene_text_write(const struct scene_text *text, const struct scene *scene, char out[DPT_RECORD_TEXT_MAX + 1])
+dpt_result scene_text_write(const struct scene_text *text, const struct scene *scene,
+                            char out[DPT_RECORD_TEXT_MAX + 1], dpt_host_error *error)
 {
     struct writer writer = { .out = out };
     out[0] = '\0';
@@ -252,7 +212,7 @@ int scene_text_write(const struct scene_text *text, const struct scene *scene, c
         append(&writer, ":%g", scene->tips.motion.button);
     if (scene->tips.motion.is_given)
         append(&writer, "\n");
-    return writer.is_full ? complain(scene->command, "the names are too long to record") : 0;
+    return writer.is_full ? host_refuse(error, DPT_E_LIMIT, "the names are too long to record") : DPT_OK;
 }
 
 static int hex_digit(char c)
@@ -316,22 +276,23 @@ static int read_jaw_line(struct jaw_motion *motion, const char *line, const char
     return jaw_motion_parse(motion, line + key, end) && !jaw_motion_fault(motion);
 }
 
-int scene_text_read(struct scene_text *text, const char *command, const char *path, const char *in)
+dpt_result scene_text_read(struct scene_text *text, const char *path, const char *in, dpt_host_error *error)
 {
     memset(text, 0, sizeof *text);
     for (int line = 1; *in; line++) {
         const char *end = in + strcspn(in, "\n");
         const char *value = memchr(in, '=', (size_t)(end - in));
         if (!value)
-            return complain(command, "%s: line %d of its header is not 'key=value'", path, line);
+            return host_refuse(error, DPT_E_SYNTAX, "%s: line %d of its header is not 'key=value'", path, line);
         const size_t length = (size_t)(value - in);
         int is_good = read_tip_line(&text->tips, in, end) && read_jaw_line(&text->jaw, in, end);
         for (int i = 0; i < KEYS; i++)
             if (strlen(keys[i].name) == length && !memcmp(keys[i].name, in, length))
                 is_good &= read_value(text, &keys[i], value + 1, end);
         if (!is_good)
-            return complain(command, "%s: line %d of its header: '%.*s' is none", path, line, (int)(end - in), in);
+            return host_refuse(error, DPT_E_SYNTAX, "%s: line %d of its header: '%.*s' is none", path, line,
+                               (int)(end - in), in);
         in = *end ? end + 1 : end;
     }
-    return text->scene[0] ? 0 : complain(command, "%s: its header names no scene", path);
+    return text->scene[0] ? DPT_OK : host_refuse(error, DPT_E_SYNTAX, "%s: its header names no scene", path);
 }

@@ -1,77 +1,63 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "record/run_record.h"
+#include "host/scene_record.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/command_options.h"
+#include "base/return_if_error.h"
 #include "clock.h"
-#include "record/scene_text.h"
 
-int is_trace_name(const char *path)
-{
-    static const char ending[] = ".csv";
-    const size_t length = strlen(path);
-    if (length < sizeof ending - 1)
-        return 0;
-    for (size_t i = 0; i < sizeof ending - 1; i++)
-        if (tolower((unsigned char)path[length - (sizeof ending - 1) + i]) != ending[i])
-            return 0;
-    return 1;
-}
-
-static int open_recorder(struct run_record *record, const dpt_record_header *header)
+static dpt_result open_recorder(struct scene_record *record, const dpt_record_header *header, int waits,
+                                dpt_host_error *error)
 {
     dpt_recorder_def def;
     dpt_recorder_def_init(&def);
-    def.wait = !record->is_timed;
+    def.wait = (uint32_t)waits;
     const dpt_result result = dpt_recorder_open(record->path, header, &def, &record->recorder);
     if (result == DPT_OK)
-        return 0;
-    return complain("run", "%s: cannot be written: %s", record->path,
-                    result == DPT_E_OPEN || result == DPT_E_WRITE ? strerror(errno) : dpt_result_text(result));
+        return DPT_OK;
+    return host_refuse(error, result, "%s: cannot be written: %s", record->path,
+                       result == DPT_E_OPEN || result == DPT_E_WRITE ? strerror(errno) : dpt_result_text(result));
 }
 
-int run_record_open(struct run_record *record, const char *path, const struct scene *scene, const struct scene_def *def,
-                    const struct measure_setting *planned, const struct scene_hand *hand, uint32_t budget)
+dpt_result scene_record_open(struct scene_record *record, const char *path, const struct scene *scene,
+                             const struct scene_text *text, double rate, int waits, dpt_host_error *error)
 {
-    *record = (struct run_record){ .path = path,
-                                   .is_timed = !(scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC),
-                                   .counts.size = sizeof record->counts };
-    struct scene_text *text = malloc(sizeof *text);
+    const size_t size = strlen(path) + 1;
     char *words = malloc(DPT_RECORD_TEXT_MAX + 1);
-    int status = text && words ? 0 : complain("run", "memory ran out");
-    if (status == 0) {
-        scene_text_of(text, scene, def, planned);
-        snprintf(text->device, sizeof text->device, "%s", hand->name);
-        text->force_max = hand->force_max;
-        text->budget = budget;
-        status = scene_text_write(text, scene, words);
+    *record = (struct scene_record){ .path = malloc(size), .is_timed = !waits, .counts.size = sizeof record->counts };
+    dpt_result result =
+        words && record->path ? DPT_OK : host_refuse(error, DPT_E_MEMORY, "memory ran out");
+    if (result == DPT_OK) {
+        memcpy(record->path, path, size);
+        result = scene_text_write(text, scene, words, error);
     }
-    if (status == 0) {
+    if (result == DPT_OK) {
         const dpt_record_header header = { .size = sizeof header,
-                                           .rate = hand->rate,
+                                           .rate = rate,
                                            .began_ns = record->is_timed ? clock_wall() : 0,
                                            .text = words,
                                            .text_bytes = strlen(words) };
-        status = open_recorder(record, &header);
+        result = open_recorder(record, &header, waits, error);
     }
-    free(text);
     free(words);
-    return status;
+    if (result != DPT_OK) {
+        free(record->path);
+        record->path = NULL;
+    }
+    return result;
 }
 
-void run_record_begin(struct run_record *record)
+void scene_record_begin(struct scene_record *record)
 {
     if (record->recorder && record->is_timed)
         record->began_ns = clock_now();
 }
 
-void run_record_tick(struct run_record *record, const struct scene *scene, const dpt_loop_sample *sample,
-                     dpt_result result, const dpt_wrench *wrench)
+void scene_record_tick(struct scene_record *record, const struct scene *scene, const dpt_loop_sample *sample,
+                       dpt_result result, const dpt_wrench *wrench)
 {
     if (!record->recorder)
         return;
@@ -82,7 +68,7 @@ void run_record_tick(struct run_record *record, const struct scene *scene, const
     dpt_recorder_push(record->recorder, &tick);
 }
 
-void run_record_idle(struct run_record *record, const dpt_loop_sample *sample)
+void scene_record_idle(struct scene_record *record, const dpt_loop_sample *sample)
 {
     if (!record->recorder)
         return;
@@ -90,20 +76,22 @@ void run_record_idle(struct run_record *record, const dpt_loop_sample *sample)
     dpt_recorder_push(record->recorder, &tick);
 }
 
-int run_record_close(struct run_record *record)
+dpt_result scene_record_close(struct scene_record *record, dpt_host_error *error)
 {
     const dpt_recorder_counts *counts = &record->counts;
     if (!record->recorder)
-        return 0;
-    const dpt_result result = dpt_recorder_close(record->recorder, &record->counts);
+        return DPT_OK;
+    dpt_result result = dpt_recorder_close(record->recorder, &record->counts);
     record->recorder = NULL;
     if (counts->dropped)
-        complain("run", "%s: %" PRIu64 " of %" PRIu64 " records were dropped: the disk was too slow", record->path,
-                 counts->dropped, counts->pushed);
-    if (result == DPT_OK)
-        return 0;
-    return complain("run", "%s: %" PRIu64 " of %" PRIu64 " records could not be written: %s", record->path,
-                    counts->lost, counts->pushed, strerror((int)counts->error));
+        host_note(error, "%s: %" PRIu64 " of %" PRIu64 " records were dropped: the disk was too slow", record->path,
+                  counts->dropped, counts->pushed);
+    if (result != DPT_OK)
+        result = host_refuse(error, result, "%s: %" PRIu64 " of %" PRIu64 " records could not be written: %s",
+                             record->path, counts->lost, counts->pushed, strerror((int)counts->error));
+    free(record->path);
+    record->path = NULL;
+    return result;
 }
 
 dpt_record record_of_sample(const dpt_loop_sample *sample)
@@ -175,49 +163,4 @@ dpt_loop_sample sample_of_record(const dpt_record *record, dpt_device_state *sta
                               .sent_ns = record->sent_ns,
                               .sent = record->sent,
                               .late = (double)record->late_ns * 1e-9 };
-}
-
-int run_trace_open(struct run_trace *trace, const char *path)
-{
-    return output_open(&trace->output, "run", path);
-}
-
-int run_trace_allocate(struct run_trace *trace, uint64_t capacity)
-{
-    trace->capacity = capacity;
-    trace->rows = calloc(capacity, 6 * sizeof *trace->rows);
-    return trace->rows ? 0 : complain("run", "memory ran out");
-}
-
-void run_trace_tick(struct run_trace *trace, const dpt_segment *stylus)
-{
-    if (trace->count == trace->capacity)
-        return;
-    double *row = trace->rows + 6 * trace->count++;
-    memcpy(row, stylus->a, sizeof stylus->a);
-    memcpy(row + 3, stylus->b, sizeof stylus->b);
-}
-
-int run_trace_write(struct run_trace *trace)
-{
-    struct output output = trace->output;
-    FILE *file = output.file;
-    trace->output.file = NULL;
-    fputs("tick,ax,ay,az,bx,by,bz\n", file);
-    for (uint64_t i = 0; i < trace->count; i++) {
-        fprintf(file, "%" PRIu64, i);
-        for (int k = 0; k < 6; k++)
-            fprintf(file, ",%.17g", trace->rows[6 * i + (uint64_t)k]);
-        fputc('\n', file);
-    }
-    return output_close(&output, "run");
-}
-
-void run_trace_close(struct run_trace *trace)
-{
-    if (trace->output.file) {
-        fclose(trace->output.file);
-        output_drop(&trace->output);
-    }
-    free(trace->rows);
 }
