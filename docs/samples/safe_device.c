@@ -36,15 +36,15 @@ int main(int argc, char **argv)
     if (result != DPT_OK)
         return 2;
     signal(SIGINT, interrupted);
-    result = dpt_host_run(host, NULL);
+    result = dpt_host_run(host, NULL, &error);
 
     dpt_host_get_info(host, &info);
     printf("%.0f ticks, in contact on %.0f, at most %.2f N, coupled by %.4g N/m\n", (double)info.ticks,
            (double)info.contacts, info.force_max, info.stiffness);
     if (info.trouble[0])
         fprintf(stderr, "%s\n", info.trouble);
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
     if (result != DPT_OK)
-        fprintf(stderr, "%s\n", dpt_result_text(result));
+        fprintf(stderr, "%s\n", error.text);
     return result == DPT_OK && !info.trouble[0] ? 0 : 2;
 }

@@ -12,8 +12,8 @@
  *     def.device = "serial:/dev/ttyACM0";
  *     if (dpt_host_open(&def, &host, &error) != DPT_OK)
  *         complain(error.text);
- *     dpt_host_run(host, NULL);                returns after dpt_host_stop(host), or when the device is lost
- *     dpt_host_close(host);
+ *     dpt_host_run(host, NULL, &error);        returns after dpt_host_stop(host), or when the device is lost
+ *     dpt_host_close(host, NULL);
  *
  * The loop may be yours: leave `device` NULL, describe it in `info`, and call dpt_host_tick with each sample.
  *
@@ -75,7 +75,7 @@ typedef struct dpt_host_def {
     const char *identified; /* path of the device's dynamics (dpt_device_dynamics_read); NULL: as it tells; NULL */
     /* The device of a loop of your own. Flags, rate, limits and dynamics count. NULL: there is none; NULL */
     const dpt_device_info *info;
-    const void *reserved_pointer; /* NULL */
+    const char *record; /* path of a recording of all ticks, which `dynpoint replay` and `view` take; NULL: none; NULL */
     dpt_host_felt_fn *felt;       /* NULL */
     void *user;                   /* first argument of `felt`; NULL */
     uint32_t law;                 /* DPT_LAW_...; DPT_NONE */
@@ -146,24 +146,30 @@ DPT_API const char *dpt_host_get_scene(uint32_t index);
  */
 DPT_API dpt_result dpt_host_open(const dpt_host_def *def, dpt_host **host, dpt_host_error *error);
 
-/* Close host and device. It must not be running. NULL is allowed. */
-DPT_API void dpt_host_close(dpt_host *host);
+/*
+ * Close host and device, and end the recording. It must not be running. NULL is allowed.
+ *   error   may be NULL. A note tells how many records were dropped, as the disk was too slow
+ *
+ * DPT_E_WRITE: some of the recording could not be written. The host is closed in any case.
+ */
+DPT_API dpt_result dpt_host_close(dpt_host *host, dpt_host_error *error);
 
 /*
  * Serve the device in this thread, as dpt_loop_run does: until dpt_host_stop, after `ticks`, or when the device is lost. At
  * the end it sends zero force.
  *   stats   may be NULL
+ *   error   may be NULL
  *
- * DPT_E_ARGUMENT: the host has no device. Otherwise as dpt_loop_run.
+ * DPT_E_ARGUMENT: the host has no device. DPT_E_SYSTEM: there is no thread for physics. Otherwise as dpt_loop_run.
  */
-DPT_API dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats);
+DPT_API dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats, dpt_host_error *error);
 
 /* End the present run, or the next one if none is running. From any thread, and from a signal handler. */
 DPT_API void dpt_host_stop(dpt_host *host);
 
 /*
- * One tick of a loop of your own, of a host without a device. Allocates nothing and reads no clock. Physics at a rate of
- * its own goes by the ticks' time.
+ * One tick of a loop of your own, of a host without a device. Allocates nothing and reads no clock, but for how long a step
+ * takes in a recording. Physics at a rate of its own goes by the ticks' time.
  *   state    the newest sample; `fresh`, `status`, `sequence`, `time_ns` and the pose count
  *   now_ns   of the clock of time_ns: for the guard
  *   wrench   out: what to send, after the guard; zero if an argument is NULL, and where the device is not ready

@@ -12,6 +12,7 @@
 #include "dynpoint/identify.h"
 #include "host/host_error.h"
 #include "host/host_session.h"
+#include "host/scene_record.h"
 #include "loop_line.h"
 
 /* The device of a loop that is the caller's: it has the sample of this tick, and takes its wrench. */
@@ -28,6 +29,7 @@ struct dpt_host {
     int has_scene;
     dpt_host_felt_fn *felt;
     void *user;
+    struct scene_record record;
     dpt_device *device; /* NULL: ticks are the caller's */
     dpt_loop *loop;
     struct outside outside;
@@ -114,7 +116,7 @@ static dpt_result check_def(const dpt_host_def *def, dpt_host_error *error)
                     { "force_max", def->force_max, 0.0, 1000.0, 1 } };
     if (!def->scene)
         return host_refuse(error, DPT_E_ARGUMENT, "a scene is needed");
-    if (def->flags & ~flags || def->reserved_pointer || (def->law != DPT_NONE && def->law > DPT_LAW_PROXY) ||
+    if (def->flags & ~flags || (def->law != DPT_NONE && def->law > DPT_LAW_PROXY) ||
         (def->clutch != DPT_NONE && def->clutch > 31))
         return host_refuse(error, DPT_E_ARGUMENT, "flags, law or clutch are none of those that there are");
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
@@ -156,10 +158,18 @@ static dpt_result open_scene_of(dpt_host *host, const dpt_host_def *from, dpt_ho
     return scene_open(&host->session.scene, def, error);
 }
 
+/* NULL: there is none, and the loop is the caller's. */
+static const char *device_name(const dpt_host *host, const dpt_host_def *def)
+{
+    if (def->device || def->info)
+        return def->device;
+    return host->scene.file ? host->scene.file->device : NULL;
+}
+
 /* The device, or that of the caller's loop, and what is known of it. */
 static dpt_result open_device_of(dpt_host *host, const dpt_host_def *def, dpt_device_info *info, dpt_host_error *error)
 {
-    const char *name = def->device || !host->scene.file ? def->device : host->scene.file->device;
+    const char *name = device_name(host, def);
     dpt_device_error why = { .size = sizeof why };
     info->size = sizeof *info;
     if (def->info && !def->device) {
@@ -181,9 +191,33 @@ static dpt_result open_device_of(dpt_host *host, const dpt_host_def *def, dpt_de
 static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     dpt_host *host = user;
+    scene_record_begin(&host->record);
     const dpt_result result = host_session_feel(&host->session, sample, wrench);
+    scene_record_tick(&host->record, &host->session.scene, sample, result, wrench);
     if (host->felt)
         host->felt(host->user, host, sample, result, wrench);
+    return result;
+}
+
+static void idle(void *user, const dpt_loop_sample *sample)
+{
+    dpt_host *host = user;
+    scene_record_idle(&host->record, sample);
+}
+
+static dpt_result open_recording(dpt_host *host, const dpt_host_def *def, const char *device, dpt_host_error *error)
+{
+    const struct scene *scene = &host->session.scene;
+    const int waits = (scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
+    if (scene_def_has_file(&host->scene, def->record) || (def->identified && !strcmp(def->identified, def->record)))
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: it is read here, so no recording may be written there", def->record);
+    struct scene_text *text = malloc(sizeof *text);
+    if (!text)
+        return host_refuse(error, DPT_E_MEMORY, "memory ran out");
+    host_session_text(&host->session, &host->scene, device ? device : "", text);
+    const dpt_result result =
+        scene_record_open(&host->record, def->record, scene, text, host->session.rate, waits, error);
+    free(text);
     return result;
 }
 
@@ -192,6 +226,7 @@ static dpt_result open_loop(dpt_host *host, const dpt_host_def *from)
     dpt_loop_def def;
     dpt_loop_def_init(&def);
     def.tick = feel;
+    def.idle = idle;
     def.user = host;
     def.rate = from->rate;
     def.ticks = from->ticks;
@@ -235,7 +270,8 @@ static dpt_result open_host(dpt_host *host, const dpt_host_def *def, dpt_host_er
     if (def->rate == 0.0 && !(info.rate >= 1.0 && info.rate <= 1e5))
         return host_refuse(error, DPT_E_ARGUMENT, "the device's rate must be 1 to 100000 Hz");
     DPT_TRY(host_session_couple(&host->session, &settings, &info, def->scene, error));
-    return host->device ? open_loop(host, def) : open_line(host, &info);
+    DPT_TRY(host->device ? open_loop(host, def) : open_line(host, &info));
+    return def->record ? open_recording(host, def, device_name(host, def), error) : DPT_OK;
 }
 
 dpt_result dpt_host_open(const dpt_host_def *given, dpt_host **out, dpt_host_error *error)
@@ -257,32 +293,46 @@ dpt_result dpt_host_open(const dpt_host_def *given, dpt_host **out, dpt_host_err
     if (result == DPT_OK)
         *out = host;
     else
-        dpt_host_close(host);
+        dpt_host_close(host, NULL);
     if (error)
         sized_write(error, sized_of(error), &own, sizeof own);
     return result;
 }
 
-void dpt_host_close(dpt_host *host)
+dpt_result dpt_host_close(dpt_host *host, dpt_host_error *error)
 {
+    dpt_host_error own = { .size = sizeof own };
+    const dpt_result room = error ? sized_check(error, sizeof *error, 0) : DPT_OK;
+    const dpt_result result = host ? scene_record_close(&host->record, &own) : DPT_OK;
+    if (error && room == DPT_OK)
+        sized_write(error, sized_of(error), &own, sizeof own);
     if (!host)
-        return;
+        return room;
     dpt_loop_close(host->loop);
     dpt_device_close(host->device);
     if (host->has_scene)
         scene_close(&host->session.scene);
     scene_def_free(&host->scene);
     free(host);
+    return result == DPT_OK ? room : result;
 }
 
-dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats)
+dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats, dpt_host_error *error)
 {
-    dpt_host_error error = { .size = sizeof error };
+    dpt_host_error own = { .size = sizeof own };
+    if (error)
+        DPT_TRY(sized_check(error, sizeof *error, 0));
     if (!host || !host->loop)
         return DPT_E_ARGUMENT;
-    DPT_TRY(host_session_start(&host->session, &error));
-    const dpt_result result = dpt_loop_run(host->loop, stats);
-    host_session_stop(&host->session);
+    dpt_result result = host_session_start(&host->session, &own);
+    if (result == DPT_OK) {
+        result = dpt_loop_run(host->loop, stats);
+        host_session_stop(&host->session);
+        if (result != DPT_OK)
+            host_refuse(&own, result, "%s", dpt_result_text(result));
+    }
+    if (error)
+        sized_write(error, sized_of(error), &own, sizeof own);
     return result;
 }
 
@@ -310,6 +360,8 @@ dpt_result dpt_host_tick(dpt_host *host, const dpt_device_state *state, uint64_t
     loop_line_check_loss(line, now_ns, 0);
     if (loop_line_has_sample(line, 1.0 / host->session.rate))
         result = feel(host, &line->sample, &command);
+    else
+        idle(host, &line->sample);
     loop_line_count(line, result == DPT_OK);
     loop_line_send(line, &command, now_ns, now_ns);
     *wrench = outside->wrench;

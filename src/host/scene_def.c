@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#define _POSIX_C_SOURCE 200809L
 #include "host/scene_def.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/return_if_error.h"
 #include "built_with.h"
@@ -131,4 +133,21 @@ dpt_result scene_def_complete(struct scene_def *def, const uint32_t *law, dpt_ho
     if (isnan(def->force.friction) && !file && !listed)
         def->force.friction = 0.0;
     return DPT_OK;
+}
+
+static int is_file(const char *name, const struct stat *file)
+{
+    struct stat found;
+    return name && stat(name, &found) == 0 && found.st_dev == file->st_dev && found.st_ino == file->st_ino;
+}
+
+int scene_def_has_file(const struct scene_def *def, const char *path)
+{
+    struct stat file;
+    if (stat(path, &file) != 0)
+        return 0;
+    int has = is_file(def->path, &file) || is_file(def->tool, &file);
+    for (uint32_t i = 0; def->file && i < def->file->body_count; i++)
+        has |= is_file(def->file->bodies[i].mesh, &file);
+    return has;
 }

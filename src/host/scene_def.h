@@ -52,4 +52,7 @@ void scene_def_free(struct scene_def *def);
  */
 dpt_result scene_def_complete(struct scene_def *def, const uint32_t *law, dpt_host_error *error);
 
+/* 1 if a path is that of one of the scene's files, by whatever name: nothing may be written there. */
+int scene_def_has_file(const struct scene_def *def, const char *path);
+
 #endif

@@ -89,10 +89,10 @@ static void both_loops_feel_the_same(void)
         run.count = own.count = 0;
         def.user = &run;
         dpt_host *host = open_host(&def);
-        CHECK(dpt_host_run(host, &stats) == DPT_OK && stats.fresh == TICKS && run.count == TICKS, "%s: %u of %d ticks",
+        CHECK(dpt_host_run(host, &stats, NULL) == DPT_OK && stats.fresh == TICKS && run.count == TICKS, "%s: %u of %d ticks",
               def.scene, run.count, TICKS);
         const dpt_host_info by_run = info_of(host);
-        dpt_host_close(host);
+        dpt_host_close(host, NULL);
         const dpt_device_info info = info_of_device(device);
         def.device = NULL;
         def.info = &info;
@@ -111,7 +111,7 @@ static void both_loops_feel_the_same(void)
               def.scene, def.law, def.physics, wrong, run.count, pushed);
         CHECK(!memcmp(&by_run, &by_own, sizeof by_run) && by_run.ticks == TICKS && by_run.contacts > TICKS / 10,
               "%s: what is counted differs", def.scene);
-        dpt_host_close(host);
+        dpt_host_close(host, NULL);
     }
 }
 
@@ -175,7 +175,7 @@ static void silence_and_loss_end_the_force(void)
             tick(&pressed, 1);
         CHECK(length3(pressed.wrench.force) > 0.5, "only %g N again", length3(pressed.wrench.force));
     }
-    dpt_host_close(pressed.host);
+    dpt_host_close(pressed.host, NULL);
 }
 
 /* Whatever the samples are, the wrench is finite and within the limits. */
@@ -205,7 +205,7 @@ static void samples_may_be_anything(void)
         wrong += !(length3(wrench.force) <= 5.0 + 1e-9) || !(length3(wrench.torque) <= 1.0);
     }
     CHECK(wrong == 0, "%u wrenches are beyond the limits", wrong);
-    dpt_host_close(pressed.host);
+    dpt_host_close(pressed.host, NULL);
 }
 
 static void refuses(const char *what, const dpt_host_def *def, dpt_result code, const char *text)
@@ -292,11 +292,11 @@ static void notes_are_said(void)
     const dpt_host_info info = info_of(host);
     CHECK(info.stiffness < 2000.0 && info.limit == DPT_COUPLING_STABILITY && info.stable > info.stiffness, "%g N/m",
           info.stiffness);
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
     def.flags = DPT_HOST_FLAG_UNSTABLE;
     host = open_host(&def);
     CHECK(info_of(host).stiffness == 1e6, "%g N/m", info_of(host).stiffness);
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
 }
 
 static void every_scene_opens(void)
@@ -307,10 +307,10 @@ static void every_scene_opens(void)
         def.scene = name;
         def.ticks = 20;
         dpt_host *host = open_host(&def);
-        CHECK(dpt_host_run(host, NULL) == DPT_OK && info_of(host).ticks == 20, "%s", name);
-        CHECK(dpt_host_run(host, NULL) == DPT_OK && info_of(host).ticks == 40, "%s again", name);
+        CHECK(dpt_host_run(host, NULL, NULL) == DPT_OK && info_of(host).ticks == 20, "%s", name);
+        CHECK(dpt_host_run(host, NULL, NULL) == DPT_OK && info_of(host).ticks == 40, "%s again", name);
         CHECK(dpt_host_get_world(host) && dpt_host_get_tool(host), "%s: no world", name);
-        dpt_host_close(host);
+        dpt_host_close(host, NULL);
     }
     CHECK(count >= 6 && !dpt_host_get_scene(UINT32_MAX), "%u scenes", count);
 }
@@ -321,9 +321,9 @@ static void nothing_may_be_null(void)
     dpt_host_info info = { .size = sizeof info, .ticks = 7 };
     const dpt_device_state state = { .size = sizeof state };
     dpt_host *host = NULL;
-    dpt_host_close(NULL);
+    dpt_host_close(NULL, NULL);
     dpt_host_stop(NULL);
-    CHECK(dpt_host_run(NULL, NULL) == DPT_E_ARGUMENT, "run");
+    CHECK(dpt_host_run(NULL, NULL, NULL) == DPT_E_ARGUMENT, "run");
     CHECK(dpt_host_tick(NULL, &state, 0, &wrench) == DPT_E_ARGUMENT && length3(wrench.force) == 0.0, "tick");
     CHECK(dpt_host_get_info(NULL, &info) == DPT_E_ARGUMENT && info.ticks == 0, "info");
     CHECK(!dpt_host_get_world(NULL) && !dpt_host_get_tool(NULL), "world");
@@ -331,15 +331,15 @@ static void nothing_may_be_null(void)
     host = open_host(&def);
     CHECK(dpt_host_tick(host, &state, 0, &wrench) == DPT_E_ARGUMENT, "the loop is the host's");
     CHECK(dpt_host_get_info(host, NULL) == DPT_E_ARGUMENT, "no info");
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
     const dpt_device_info device = info_of_device("sim");
     def.device = NULL;
     def.info = &device;
     host = open_host(&def);
-    CHECK(dpt_host_run(host, NULL) == DPT_E_ARGUMENT, "the loop is the caller's");
+    CHECK(dpt_host_run(host, NULL, NULL) == DPT_E_ARGUMENT, "the loop is the caller's");
     CHECK(dpt_host_tick(host, NULL, 0, &wrench) == DPT_E_ARGUMENT && dpt_host_tick(host, &state, 0, NULL) == DPT_E_ARGUMENT,
           "NULL");
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
 }
 
 static void *stop(void *host)
@@ -354,9 +354,9 @@ static void another_thread_stops_it(void)
     pthread_t thread;
     dpt_host *host = open_host(&def);
     CHECK(pthread_create(&thread, NULL, stop, host) == 0, "no thread");
-    CHECK(dpt_host_run(host, NULL) == DPT_OK, "it ended");
+    CHECK(dpt_host_run(host, NULL, NULL) == DPT_OK, "it ended");
     pthread_join(thread, NULL);
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
 }
 
 /* What only counts of the sizes of structs are asked for (lib/size_checks.h). */
@@ -368,7 +368,7 @@ static dpt_result def_of(void *given)
     def->scene = "membrane";
     def->device = "sim";
     const dpt_result result = dpt_host_open(given, &host, NULL);
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
     return result;
 }
 
@@ -377,7 +377,7 @@ static dpt_result error_of(void *given)
     const dpt_host_def def = usual();
     dpt_host *host;
     const dpt_result result = dpt_host_open(&def, &host, given);
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
     return result;
 }
 
@@ -395,7 +395,7 @@ static dpt_result info_taken(void *given)
     def.device = NULL;
     def.info = given;
     const dpt_result result = dpt_host_open(&def, &host, NULL);
-    dpt_host_close(host);
+    dpt_host_close(host, NULL);
     return result;
 }
 
@@ -431,7 +431,7 @@ static void structs_of_any_size(void)
     counted = open_host(&def);
     check_output(&of_info);
     check_input(&of_state, &state);
-    dpt_host_close(counted);
+    dpt_host_close(counted, NULL);
 }
 
 int main(void)
