@@ -90,13 +90,23 @@ void host_session_stop(struct host_session *session)
     scene_physics_stop(session->scene.physics);
 }
 
+static void count_puts(struct host_puts *puts, const struct scene *scene)
+{
+    dpt_force_info force = { .size = sizeof force };
+    if (scene->force.law != DPT_LAW_PROXY || dpt_tool_get_force_info(scene->world, scene->tool, &force) != DPT_OK)
+        return;
+    puts->squeezed += force.reason == DPT_FORCE_INSIDE && (force.flags & DPT_FORCE_FLAG_SQUEEZED);
+    puts->turned += (force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
+    puts->inside += force.reason == DPT_FORCE_INSIDE || force.reason == DPT_FORCE_UNDECIDED;
+}
+
 static void count(struct host_session *session, const dpt_loop_sample *sample, const dpt_wrench *wrench)
 {
     struct host_counts *counts = &session->counts;
     const struct scene *scene = &session->scene;
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
-    scene_puts_tick(&counts->puts, scene);
+    count_puts(&counts->puts, scene);
     scene_get_hit(scene, &hit);
     counts->reasons |= sample->state->reasons;
     counts->contacts += hit.contact != DPT_CONTACT_SEPARATED;

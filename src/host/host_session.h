@@ -6,7 +6,6 @@
 #include "dynpoint/guard.h"
 #include "host/host_coupling.h"
 #include "host/scene.h"
-#include "host/scene_puts.h"
 #include "host/scene_text.h"
 #include "host/scene_trouble.h"
 
@@ -22,6 +21,12 @@ struct host_settings {
     int shows_contacts;               /* 1: the world lists its contacts */
 };
 
+/* How often the proxy was put at the device, why, and how long it had no force for that: docs/algorithms/force.md. */
+struct host_puts {
+    uint64_t squeezed, turned; /* ticks in which it was put */
+    uint64_t inside;           /* ticks without force: where it was put, or began, may be inside or behind something */
+};
+
 /* What the ticks count. Begin with zeros. */
 struct host_counts {
     uint64_t contacts, penetrating, unknown, clutched;
@@ -29,7 +34,7 @@ struct host_counts {
     double depth_max; /* m */
     double force_max; /* N at the hand, before the guard */
     struct scene_trouble trouble;
-    struct scene_puts puts;
+    struct host_puts puts;
 };
 
 struct host_session {

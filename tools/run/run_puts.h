@@ -5,10 +5,10 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-#include "host/scene_puts.h"
+#include "host/host_session.h"
 
 /* A part of the report at the end: a line, if there is something to say, or keys of a JSON object behind others. */
-static inline void run_puts_print(const struct scene_puts *puts, int is_json)
+static inline void run_puts_print(const struct host_puts *puts, int is_json)
 {
     if (is_json)
         printf(",\"put_squeezed\":%" PRIu64 ",\"put_turned\":%" PRIu64 ",\"inside\":%" PRIu64, puts->squeezed,
