@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+/* What a run says of proxies that were put at their device. */
 #ifndef DPT_TOOLS_RUN_PUTS_H
 #define DPT_TOOLS_RUN_PUTS_H
 
