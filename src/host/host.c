@@ -179,6 +179,7 @@ static dpt_result open_device_of(dpt_host *host, const dpt_host_def *def, dpt_de
             return host_refuse(error, why.code, "%s: %s", name, why.text);
         if (why.text[0])
             host_note(error, "%s: %s", name, why.text);
+        DPT_TRY(host_device_end_fault(host->device, name, error));
         DPT_TRY(dpt_device_get_info(host->device, info));
     } else {
         return host_refuse(error, DPT_E_ARGUMENT, "a device is needed, or the info of one");

@@ -13,6 +13,23 @@
 #define BUDGET_RATE 3e6
 #define BUDGET_MIN  200.0
 
+dpt_result host_device_end_fault(dpt_device *device, const char *name, dpt_host_error *error)
+{
+    dpt_device_info info = { .size = sizeof info };
+    dpt_device_state state = { .size = sizeof state };
+    dpt_device_get_info(device, &info);
+    if (info.flags & DPT_DEVICE_FLAG_DETERMINISTIC || dpt_device_read(device, &state) != DPT_OK ||
+        state.status != DPT_DEVICE_STATUS_FAULT)
+        return DPT_OK;
+    const char *reason = dpt_device_reason_name(state.reasons);
+    reason = reason ? reason : "no reason";
+    const dpt_result result = dpt_device_clear(device);
+    if (result != DPT_OK)
+        return host_refuse(error, result, "%s: it has stopped itself (%s): end the cause first", name, reason);
+    host_note(error, "%s: it had stopped itself (%s): that is over", name, reason);
+    return DPT_OK;
+}
+
 /* s: by how much later vertices arrive than with physics in each tick. */
 static double physics_delay(const struct scene *scene)
 {

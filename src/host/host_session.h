@@ -47,6 +47,12 @@ struct host_session {
 };
 
 /*
+ * End a fault that a device has from before, for example because a host died; a note says so. An error: the fault stays. A
+ * deterministic device is left alone, because a read would use up one of its samples. `name` is the device's.
+ */
+dpt_result host_device_end_fault(dpt_device *device, const char *name, dpt_host_error *error);
+
+/*
  * Couple a scene that scene_open opened to a device: as stiff as that can hold, with a world, a guard and a controller of
  * passivity. A note says why the coupling is softer than was asked for. `path` is the scene's.
  */

@@ -423,6 +423,25 @@ int main(void) { dpt_device *d; dpt_guard g = { .size = sizeof g };
         "$root/opt/dp/lib64/libdynpoint_drivers.a" "$root/opt/dp/lib64/libdynpoint_compile.a" "$root/opt/dp/lib64/libdynpoint.a" $flags -o "$scratch/safe_static" &&
         "$scratch/safe_static" membrane 'sim:?hand=press' 3000 | cmp - "$scratch/felt"
     verdict $? "and with the static libraries it feels the same"
+    "$build/dynpoint" device simulate serial --for 100 >"$scratch/line" 2>/dev/null &
+    simulator=$!
+    while [ ! -s "$scratch/line" ] && kill -0 $simulator; do sleep 0.02; done
+    line="$(cat "$scratch/line")?silent=10"
+    # A machine that is busy misses the line's watchdog: then once more.
+    tries=0
+    until "$scratch/safe_static" tori "$line" 500 >"$scratch/felt" 2>"$scratch/says" && grep -q '^[1-9][0-9]* ticks' "$scratch/felt"; do
+        [ $((tries += 1)) -lt 20 ] || break
+    done
+    [ $tries -lt 20 ]
+    verdict $? "over a serial line too $(cat "$scratch/felt" "$scratch/says")"
+    "$scratch/safe_static" tori "$line" >"$scratch/felt" 2>"$scratch/says" &
+    safe=$!
+    sleep 1
+    kill -KILL $simulator
+    wait $simulator 2>/dev/null
+    wait $safe
+    [ $? -eq 2 ] && grep -q '^the device is gone' "$scratch/says" && grep -q '^[1-9][0-9]* ticks' "$scratch/felt"
+    verdict $? "and where the line is cut, it ends and says so $(cat "$scratch/felt" "$scratch/says")"
 
     sample=docs/samples/first_touch.c
     ${CC:-cc} $c99 $sample $(pkg-config --cflags --libs libdynpoint) -o "$scratch/sample_shared" &&
@@ -454,7 +473,7 @@ int main(void) { dpt_device *d; dpt_guard g = { .size = sizeof g };
         [ "$(awk '$4 > 0' "$scratch/felt" | wc -l)" -gt 10 ]
     verdict $? "and in two threads"
 else
-    for what in "a program" "a static program" "threads" "a host" "a driver of its own" "a safe device" "that with static libraries" "the sample" "the sample on a liver" "the sample on a box" "physics of its own" "that in two threads"; do
+    for what in "a program" "a static program" "threads" "a host" "a driver of its own" "a safe device" "that with static libraries" "that over a serial line" "that where it is cut" "the sample" "the sample on a liver" "the sample on a box" "physics of its own" "that in two threads"; do
         skip "$what with the installed .pc: no pkg-config"
     done
 fi

@@ -10,6 +10,7 @@
 
 #include "cli/command_options.h"
 #include "clock.h"
+#include "host/host_session.h"
 
 int open_device(const char *command, const char *name, dpt_device **device)
 {
@@ -24,18 +25,11 @@ int open_device(const char *command, const char *name, dpt_device **device)
 
 int end_fault(const char *command, const char *name, dpt_device *device)
 {
-    dpt_device_info info = { .size = sizeof info };
-    dpt_device_state state = { .size = sizeof state };
-    dpt_device_get_info(device, &info);
-    if (info.flags & DPT_DEVICE_FLAG_DETERMINISTIC || dpt_device_read(device, &state) != DPT_OK ||
-        state.status != DPT_DEVICE_STATUS_FAULT)
-        return 0;
-    const char *reason = dpt_device_reason_name(state.reasons);
-    reason = reason ? reason : "no reason";
-    if (dpt_device_clear(device) != DPT_OK)
-        return complain(command, "%s: it has stopped itself (%s): end the cause first", name, reason);
-    complain(command, "%s: it had stopped itself (%s): that is over", name, reason);
-    return 0;
+    dpt_host_error error = { .size = sizeof error };
+    const dpt_result result = host_device_end_fault(device, name, &error);
+    if (error.text[0])
+        complain(command, "%s", error.text);
+    return result == DPT_OK ? 0 : 2;
 }
 
 int device_output_check(const char *command, const char *path, const char *name)
