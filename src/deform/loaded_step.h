@@ -53,7 +53,8 @@ double dpti_explicit_response(const struct explicit_step *step, uint32_t node);
 
 /*
  * A step with IMPLICIT. What it does with the loads of the step before is solved for once; a change of the loads then moves
- * each loaded node alone, by the inverse of the matrix's diagonal. What that leaves is taken up by the next step.
+ * the loaded nodes and their neighbours, by a matrix that is near to the inverse. What that leaves is taken up by the next
+ * step.
  */
 struct implicit_step {
     struct dpt_springs *springs;
@@ -71,6 +72,8 @@ void dpti_implicit_undo(struct implicit_step *step, uint32_t substeps);
 void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, double moved[SPRING_ROWS]);
 vec3 dpti_implicit_place(const struct implicit_step *step, uint32_t node);
 double dpti_implicit_response(const struct implicit_step *step, uint32_t node);
+int dpti_implicit_neighbour(const struct implicit_step *step, uint32_t node, uint32_t *entry, uint32_t *other,
+                            double *response);
 
 /* A step whose loads are set anew for each substep. */
 struct loaded_step {
@@ -102,6 +105,13 @@ void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, double m
                               double slid[SPRING_ROWS]);
 vec3 dpti_loaded_step_place(const struct loaded_step *step, uint32_t node);
 double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node);
+
+/*
+ * The nodes that a load on a node moves beside it, one a call: the other one, and how far, m/N. *entry is 0 at first.
+ * Returns 0 if there is no more.
+ */
+int dpti_loaded_step_neighbour(const struct loaded_step *step, uint32_t node, uint32_t *entry, uint32_t *other,
+                               double *response);
 
 /* Make the substep. Returns 0 if it would leave the finite range. */
 int dpti_loaded_step_go(struct loaded_step *step);

@@ -132,6 +132,8 @@ static void place(struct dpt_springs *springs, struct block *block)
     solve->force = take(block, slices * SPRING_ROWS, sizeof(float));
     solve->product = take(block, slices * SPRING_ROWS, sizeof(float));
     solve->direction = take(block, slices * SPRING_POINTS, sizeof(float));
+    solve->is_near = take(block, slices, 1);
+    solve->near = take(block, slices, sizeof(uint32_t));
     solve->stiffness = take(block, slices * LANES, sizeof(float));
     solve->begin = take(block, slices, sizeof *solve->begin);
     solve->energy = take(block, slices, sizeof(double));
@@ -336,6 +338,12 @@ double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node)
 {
     return is_implicit(step) ? dpti_implicit_response(&step->implicit, node)
                              : dpti_explicit_response(&step->explicit, node);
+}
+
+int dpti_loaded_step_neighbour(const struct loaded_step *step, uint32_t node, uint32_t *entry, uint32_t *other,
+                               double *response)
+{
+    return is_implicit(step) && dpti_implicit_neighbour(&step->implicit, node, entry, other, response);
 }
 
 void dpti_loaded_step_set(struct loaded_step *step)

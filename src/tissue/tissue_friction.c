@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "proxy/proxy_force.h"
+#include "tissue/tissue_solve.h"
 #include "track/tool_parts.h"
 
 /* As a share of itself: what a rub that slips pulls with is found when it changes by less. */
@@ -77,7 +78,7 @@ static void add_known(struct tissue_solve *solve, const struct tissue_row *row, 
         tool->known[k] += force * row->lever[k] / tool->stiffness;
     for (uint32_t k = 0; k < link->count; k++) {
         struct tissue_node *node = &solve->nodes[link->node[k]];
-        node->known = along(node->known, -force * link->weight[k] * node->response, row->within);
+        node->load = along(node->load, -force * link->weight[k], row->within);
     }
 }
 
@@ -87,11 +88,12 @@ void dpti_rubs_set_known(struct tissue_solve *solve)
     for (uint32_t t = 0; t < solve->tool_count; t++)
         memcpy(solve->tools[t].known, solve->tools[t].away, sizeof solve->tools[t].known);
     for (uint32_t i = 0; i < solve->node_count; i++)
-        solve->nodes[i].known = none;
+        solve->nodes[i].load = none;
     for (uint32_t r = 0; r < solve->rub_count; r++)
         for (uint32_t d = 0; d < 2; d++)
             if (solve->rubs[r].state == RUB_SLIPS)
                 add_known(solve, &solve->rows[tissue_row_of_rub(solve, r) + d], solve->rubs[r].pull[d]);
+    dpti_tissue_answer(solve);
 }
 
 static int set_open(struct tissue_rub *rub)
@@ -126,13 +128,15 @@ static int update_sticking(struct tissue_solve *solve, uint32_t r, double push)
 }
 
 /* m/N: how far a touch moves along a row by a force along it. */
-static double compliance_of(const struct tissue_solve *solve, const struct tissue_row *row)
+static double compliance_of(struct tissue_solve *solve, const struct tissue_row *row)
 {
     const struct tissue_link *link = &solve->links[row->touch];
     const struct tissue_tool *tool = &solve->tools[link->tool];
     double sum = 0.0, square = 0.0;
+    dpti_tissue_spread_touch(solve, link);
     for (uint32_t k = 0; k < link->count; k++)
-        sum += link->weight[k] * link->weight[k] * solve->nodes[link->node[k]].response;
+        sum += link->weight[k] * solve->spread[link->node[k]];
+    dpti_tissue_clear_spread(solve, link);
     for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
         square += row->lever[k] * row->lever[k];
     return sum + square / tool->stiffness;

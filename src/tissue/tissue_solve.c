@@ -15,15 +15,24 @@
 /* The share of a missing gap that is made good in a substep. */
 #define RECOVERED 0.2
 
-/* The number of a node in the solve, which is made if there is none; DPT_NONE without room. */
-static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t node, uint32_t room)
+/* The place of a node of the solve in the table, or where it would be. */
+static uint32_t slot_of(const struct tissue_solve *solve, uint32_t body, uint32_t node)
 {
     uint32_t slot = ((node + 977u * body) * 2654435769u) >> 20;
     for (; solve->table[slot]; slot = (slot + 1) % TISSUE_TABLE) {
         const struct tissue_node *known = &solve->nodes[solve->table[slot] - 1];
         if (known->node == node && known->body == body)
-            return solve->table[slot] - 1;
+            break;
     }
+    return slot;
+}
+
+/* The number of a node in the solve, which is made if there is none; DPT_NONE without room. */
+static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t node, uint32_t room)
+{
+    const uint32_t slot = slot_of(solve, body, node);
+    if (solve->table[slot])
+        return solve->table[slot] - 1;
     if (solve->node_count >= room)
         return DPT_NONE;
     const struct loaded_step *step = &solve->bodies[body].step;
@@ -254,6 +263,57 @@ double dpti_tissue_yield(const struct tissue_solve *solve, uint32_t touch, uint3
     return link->yields * near * near * dot(at->normal, from->normal);
 }
 
+/* A node of the solve that a load on one of them moves, too, and how far, m/N. Goes on as dpti_loaded_step_neighbour. */
+static struct tissue_node *next_moved(struct tissue_solve *solve, const struct tissue_node *by, uint32_t *entry,
+                                      double *response)
+{
+    uint32_t node;
+    while (dpti_loaded_step_neighbour(&solve->bodies[by->body].step, by->node, entry, &node, response)) {
+        const uint32_t number = solve->table[slot_of(solve, by->body, node)];
+        if (number)
+            return &solve->nodes[number - 1];
+    }
+    return NULL;
+}
+
+void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link)
+{
+    for (uint32_t k = 0; k < link->count; k++) {
+        const struct tissue_node *node = &solve->nodes[link->node[k]], *other;
+        double response;
+        solve->spread[link->node[k]] += link->weight[k] * node->response;
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            solve->spread[other - solve->nodes] += link->weight[k] * response;
+    }
+}
+
+void dpti_tissue_clear_spread(struct tissue_solve *solve, const struct tissue_link *link)
+{
+    for (uint32_t k = 0; k < link->count; k++) {
+        const struct tissue_node *node = &solve->nodes[link->node[k]], *other;
+        double response;
+        solve->spread[link->node[k]] = 0.0;
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            solve->spread[other - solve->nodes] = 0.0;
+    }
+}
+
+void dpti_tissue_answer(struct tissue_solve *solve)
+{
+    for (uint32_t i = 0; i < solve->node_count; i++)
+        solve->nodes[i].answer = (vec3){ 0.0, 0.0, 0.0 };
+    for (uint32_t i = 0; i < solve->node_count; i++) {
+        struct tissue_node *node = &solve->nodes[i], *other;
+        const vec3 load = node->load;
+        double response;
+        if (load.x == 0.0 && load.y == 0.0 && load.z == 0.0)
+            continue;
+        node->answer = along(node->answer, node->response, load);
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            other->answer = along(other->answer, response, load);
+    }
+}
+
 /* What a newton along one row does to the gaps of all: it moves its tool away, and its nodes. */
 static void give_column(void *user, uint32_t index, uint32_t first, double *column)
 {
@@ -262,8 +322,7 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
     const struct tissue_link *link = &solve->links[row->touch];
     const double stiffness = solve->tools[link->tool].stiffness;
     uint32_t products = link->count;
-    for (uint32_t k = 0; k < link->count; k++)
-        solve->spread[link->node[k]] = link->weight[k] * solve->nodes[link->node[k]].response;
+    dpti_tissue_spread_touch(solve, link);
     for (uint32_t i = first; i < tissue_row_count(solve); i++) {
         const struct tissue_row *other = &solve->rows[i];
         const struct tissue_link *its = &solve->links[other->touch];
@@ -286,8 +345,7 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
         column[i] = sum;
     }
     work_spend(&solve->work, products / LANES + 1);
-    for (uint32_t k = 0; k < link->count; k++)
-        solve->spread[link->node[k]] = 0.0;
+    dpti_tissue_clear_spread(solve, link);
 }
 
 static double lever_product(const double *lever, const double *unknowns)
@@ -304,7 +362,7 @@ static vec3 point_moved(const struct tissue_solve *solve, const struct tissue_li
     vec3 moved = { 0.0, 0.0, 0.0 };
     for (uint32_t k = 0; k < link->count; k++) {
         const struct tissue_node *node = &solve->nodes[link->node[k]];
-        moved = along(moved, link->weight[k], slides ? add(node->slid, node->known) : sub(node->moved, node->slid));
+        moved = along(moved, link->weight[k], slides ? add(node->slid, node->answer) : sub(node->moved, node->slid));
     }
     return moved;
 }
@@ -434,6 +492,7 @@ static void find_loads(struct tissue_solve *solve)
             *load = along(*load, -solve->multiplier[i] * link->weight[k], solve->rows[i].within);
         }
     }
+    dpti_tissue_answer(solve);
 }
 
 static double farthest_of(const struct tissue_solve *solve)
@@ -444,7 +503,7 @@ static double farthest_of(const struct tissue_solve *solve)
         vec3 moved = { 0.0, 0.0, 0.0 };
         for (uint32_t k = 0; k < link->count; k++) {
             const struct tissue_node *node = &solve->nodes[link->node[k]];
-            moved = along(moved, link->weight[k], along(node->moved, node->response, node->load));
+            moved = along(moved, link->weight[k], add(node->moved, node->answer));
         }
         /* The gap changes by both. */
         const double tool = solve->problem.gap[i] - felt_gap(solve, i) + dot(solve->rows[i].within, moved);

@@ -47,12 +47,12 @@ struct tissue_tool {
 struct tissue_node {
     uint32_t body; /* of the solve */
     uint32_t node;
-    double response; /* m/N, in a substep */
+    double response; /* m/N: how far a load on it moves it in a substep; of others that it moves see loaded_step.h */
     vec3 begin;      /* where it was before the step, in the body's frame */
     vec3 moved;      /* m: how far from there it would be after the substep, without tools */
     vec3 slid;       /* m: how far it would move in the substep, as friction sees it */
-    vec3 known;      /* m: what the pushes that are known add to both */
-    vec3 load;       /* N, of a substep's answer */
+    vec3 load;       /* N: of the pushes that are known, and then of a substep's answer */
+    vec3 answer;     /* m: what loads add to both */
     int is_foreseen; /* `moved` is of this substep */
     uint32_t seen;   /* by the link that was made last of those that load it: its number */
     uint32_t place;  /* in that touch's link */
@@ -138,7 +138,7 @@ struct tissue_solve {
     struct tissue_row rows[COMPLEMENTARITY_MAX]; /* of all touches, then two of each rub */
     uint8_t kind[COMPLEMENTARITY_MAX];           /* of the rows, for the solver */
     uint32_t table[TISSUE_TABLE];                /* one more than a node's number; 0: none */
-    double spread[TISSUE_NODES_MAX];             /* how a newton of one touch moves each node; zero between columns */
+    double spread[TISSUE_NODES_MAX];             /* how a newton of one touch moves each node; zero between uses */
     double free_gap[COMPLEMENTARITY_MAX];
     double multiplier[COMPLEMENTARITY_MAX]; /* N, of each row in a substep */
     vec3 push[TOUCHES_MAX];                 /* N, of each touch on its tool, in the world: the mean of all substeps */

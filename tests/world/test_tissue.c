@@ -36,6 +36,26 @@ static void a_still_device_is_silent(void)
         }
 }
 
+/*
+ * A light sheet under a tool twice as thick as its edges are long: many nodes hold it, and what one of them takes over from
+ * another moves all of them.
+ */
+static void implicit_light_sheets_are_silent(void)
+{
+    for (int i = 0; i < (int)part_of(6); i++) {
+        struct tissue tissue;
+        double mean;
+        tissue_begin_thin(&tissue, i & 1 ? 2000.0 : 667.0, 1.5708 - 0.1 * (i / 2), 0.012);
+        tissue.triangles = 2048;
+        if (tissue_add(&tissue, DPT_NET_SHEET, DPT_INTEGRATOR_IMPLICIT, 0.0, 0.0)) {
+            const double jump = tissue_press_and_hold(&tissue, 0.025, &mean);
+            CHECK(mean > 1e-3, "case %d: it is not touched: %g N", i, mean);
+            CHECK(jump <= 1e-4, "case %d: jumps of %g N at %g N", i, jump, mean);
+        }
+        tissue_close(&tissue);
+    }
+}
+
 /* Loads that are spread over some edges of 12 mm, on a sheet of which that is a fifth, too. */
 static void spread_loads_are_silent(void)
 {
@@ -546,6 +566,7 @@ int main(int argc, char **argv)
 {
     take_percent(argc, argv);
     TEST(a_still_device_is_silent);
+    TEST(implicit_light_sheets_are_silent);
     TEST(spread_loads_are_silent);
     TEST(a_finer_sheet_feels_alike);
     TEST(loads_of_the_step_before_are_not_silent);

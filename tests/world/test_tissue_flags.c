@@ -267,6 +267,7 @@ static void too_many_weights_are_told(void)
     static dpt_load loads[16384];
     struct tissue_def def = tissue_sheet();
     def.triangles = 8192;
+    def.drag = 50.0; /* without it the sheet swings, and the last force tells nothing */
     def.integrator = DPT_INTEGRATOR_IMPLICIT;
     for (int is_spread = 0; is_spread < 2; is_spread++) {
         struct tissue_rig tissue;
@@ -294,7 +295,7 @@ static void too_many_weights_are_told(void)
         }
         const double force = length3(tool->force.wrench.force);
         CHECK(is_spread ? crowded > 50 : !crowded, "case %d: crowded in %u ticks", is_spread, crowded);
-        CHECK(force > 0.01 && force < 0.1, "case %d: %g N", is_spread, force);
+        CHECK(force > 0.05 && force < 0.07, "case %d: %g N", is_spread, force);
         tissue_rig_close(&tissue);
     }
 }
