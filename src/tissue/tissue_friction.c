@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "proxy/proxy_force.h"
-#include "tissue/tissue_solve.h"
+#include "tissue/tissue_link.h"
 #include "track/tool_parts.h"
 
 /* As a share of itself: what a rub that slips pulls with is found when it changes by less. */

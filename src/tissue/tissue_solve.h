@@ -8,21 +8,11 @@
 
 #include "tissue/tissue_state.h"
 
-/* After touches were gathered and the bodies' steps have begun: links, and the nodes of the touches. */
-void dpti_tissue_link(struct tissue_solve *solve);
-
 /*
  * Solve for the next substep. Returns how far, m, any touch goes from where it was gathered: its tool, and its point on the
  * tissue, together.
  */
 double dpti_tissue_solve(struct tissue_solve *solve);
-
-/* How a newton of a touch moves nodes, m: into `spread`. Then all zero again. */
-void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link);
-void dpti_tissue_clear_spread(struct tissue_solve *solve, const struct tissue_link *link);
-
-/* How far the loads of all nodes move them: their answers. */
-void dpti_tissue_answer(struct tissue_solve *solve);
 
 /* m/N: how far the body's own surface yields at one touch by a push at another. */
 double dpti_tissue_yield(const struct tissue_solve *solve, uint32_t touch, uint32_t by);

@@ -13,6 +13,7 @@
 #include "deform/spring_vertices.h"
 #include "proxy/tool_loads.h"
 #include "strip/strip_state.h"
+#include "tissue/tissue_link.h"
 #include "tissue/tissue_solve.h"
 #include "tissue/tissue_tools.h"
 #include "world/deform_body.h"

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "tissue/tissue_link.h"
+
+#include <string.h>
+
+#include "tissue/tissue_spread.h"
+#include "track/deform_state.h"
+#include "track/tool_parts.h"
+
+/* The place of a node of the solve in the table, or where it would be. */
+static uint32_t slot_of(const struct tissue_solve *solve, uint32_t body, uint32_t node)
+{
+    uint32_t slot = ((node + 977u * body) * 2654435769u) >> 20;
+    for (; solve->table[slot]; slot = (slot + 1) % TISSUE_TABLE) {
+        const struct tissue_node *known = &solve->nodes[solve->table[slot] - 1];
+        if (known->node == node && known->body == body)
+            break;
+    }
+    return slot;
+}
+
+/* The number of a node in the solve, which is made if there is none; DPT_NONE without room. */
+static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t node, uint32_t room)
+{
+    const uint32_t slot = slot_of(solve, body, node);
+    if (solve->table[slot])
+        return solve->table[slot] - 1;
+    if (solve->node_count >= room)
+        return DPT_NONE;
+    const struct loaded_step *step = &solve->bodies[body].step;
+    solve->nodes[solve->node_count] = (struct tissue_node){ .body = body,
+                                                            .node = node,
+                                                            .response = dpti_loaded_step_response(step, node),
+                                                            .begin = dpti_loaded_step_place(step, node) };
+    solve->table[slot] = ++solve->node_count;
+    return solve->node_count - 1;
+}
+
+/* A touch's link, being made. */
+struct linking {
+    struct tissue_solve *solve;
+    struct tissue_link *link;
+    uint32_t touch;
+    uint32_t nodes, weights; /* for how many there is room */
+    int has_room;
+};
+
+static void add_node(struct linking *linking, uint32_t node, double weight)
+{
+    struct tissue_solve *solve = linking->solve;
+    struct tissue_link *link = linking->link;
+    const uint32_t number = number_of(solve, link->body, node, linking->nodes);
+    if (number == DPT_NONE || solve->weight_count + link->count >= linking->weights) {
+        linking->has_room = 0;
+        return;
+    }
+    struct tissue_node *of = &solve->nodes[number];
+    if (of->seen == solve->linked) {
+        link->weight[of->place] += weight;
+        return;
+    }
+    of->seen = solve->linked;
+    of->place = link->count;
+    link->node[link->count] = (uint16_t)number;
+    link->weight[link->count++] = weight;
+}
+
+static void add_corner(struct linking *linking, uint32_t vertex, double weight)
+{
+    const struct spring_vertices *vertices = &linking->solve->bodies[linking->link->body].step.springs->vertices;
+    if (!vertices->nodes)
+        add_node(linking, vertex, weight);
+    for (size_t k = 4 * (size_t)vertex; vertices->nodes && k < 4 * (size_t)vertex + 4; k++)
+        if (vertices->weights[k] != 0.0f)
+            add_node(linking, vertices->nodes[k], weight * (double)vertices->weights[k]);
+}
+
+/* The load is spread: over the vertices that dpt_body_get_loads tells. */
+static void add_patch(struct linking *linking)
+{
+    struct load_patch patch;
+    dpti_spread_find(linking->solve, linking->touch, &patch);
+    for (uint32_t i = 0; i < patch.count; i++)
+        add_corner(linking, patch.vertex[i], patch.share[i]);
+}
+
+static uint32_t body_of(const struct tissue_solve *solve, uint32_t body_id)
+{
+    for (uint32_t i = 0; i < solve->body_count; i++)
+        if (solve->bodies[i].body->id == body_id)
+            return i;
+    return DPT_NONE;
+}
+
+static uint32_t tool_of(const struct tissue_solve *solve, uint32_t slot)
+{
+    uint32_t t = 0;
+    while (solve->tools[t].slot != slot)
+        t++;
+    return t;
+}
+
+/* m/N: so soft a surface gives no force. */
+#define YIELDS_MAX 1e30
+
+/* What the body's own surface yields by is shared by all touches that are no farther apart than the tool is thick. */
+static void set_yield(const struct tissue_solve *solve, struct tissue_link *link, const struct touch *touch)
+{
+    const double stiffness = world_find_body(solve->world, touch->body_id)->stiffness;
+    if (!(stiffness > 0.0))
+        return;
+    link->yields = min_of(1.0 / stiffness, YIELDS_MAX);
+    link->spread = 2.0 * part_radius(tool_part(solve->world, &solve->world->tools[touch->tool_slot], touch->part));
+}
+
+/* The corners of the triangle alone. */
+static void add_corners(struct linking *linking, const struct surface *surface, const struct touch *touch)
+{
+    for (uint32_t k = 0; k < 3; k++)
+        if (touch->weight[k] != 0.0)
+            add_corner(linking, surface_corner(surface, touch->triangle, k), touch->weight[k]);
+}
+
+/* Room that spread loads leave for those that are not: 3 corners of 4 nodes a touch, most of which others load, too. */
+enum { NODES_LEFT = 384, WEIGHTS_LEFT = 12 * TOUCHES_MAX };
+
+/* Its load is spread; with `may_be_narrow` it is not where there is no room. */
+static void add_spread(struct linking *linking, const struct surface *surface, const struct touch *touch,
+                       int may_be_narrow)
+{
+    struct tissue_link *link = linking->link;
+    if (may_be_narrow) {
+        linking->nodes -= NODES_LEFT;
+        linking->weights -= WEIGHTS_LEFT;
+    }
+    add_patch(linking);
+    if (linking->has_room || !may_be_narrow)
+        return;
+    linking->solve->linked++;
+    linking->nodes += NODES_LEFT;
+    linking->weights += WEIGHTS_LEFT;
+    linking->has_room = 1;
+    link->is_narrow = 1;
+    link->count = 0;
+    link->depth = link->unfelt = 0.0;
+    add_corners(linking, surface, touch);
+}
+
+/* Returns 0 if there is no room for the nodes that the touch loads. */
+static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
+{
+    const struct touch *touch = &solve->touches.touch[i];
+    struct tissue_link *link = &solve->links[i];
+    struct tissue_row *row = &solve->rows[i];
+    struct linking linking = { solve, link, i, TISSUE_NODES_MAX, TISSUE_WEIGHTS_MAX, 1 };
+    solve->linked++;
+    *link = (struct tissue_link){ .body = body_of(solve, touch->body_id),
+                                  .tool = tool_of(solve, touch->tool_slot),
+                                  .node = solve->weighted + solve->weight_count,
+                                  .weight = solve->weight + solve->weight_count };
+    set_yield(solve, link, touch);
+    *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
+    memcpy(row->lever, touch->row, sizeof row->lever);
+    solve->push[i] = (vec3){ 0.0, 0.0, 0.0 };
+    if (link->body == DPT_NONE)
+        return 1;
+    const struct body *body = solve->bodies[link->body].body;
+    row->within = frame_turn_back(&body->frame, touch->normal);
+    if (deform_of(body)->def.load_radius > 0.0)
+        add_spread(&linking, &body->surface, touch, may_be_narrow);
+    else
+        add_corners(&linking, &body->surface, touch);
+    solve->weight_count += linking.has_room ? link->count : 0;
+    return linking.has_room;
+}
+
+static void forget_links(struct tissue_solve *solve)
+{
+    solve->node_count = solve->weight_count = solve->linked = 0;
+    memset(solve->table, 0, sizeof solve->table);
+}
+
+/* With the least gap first; those for which there is no room load corners alone, or are left out. */
+static void link_nearest(struct tissue_solve *solve)
+{
+    struct touches *touches = &solve->touches;
+    const uint32_t count = touches->count;
+    solve->is_full = 1;
+    for (uint32_t i = 1; i < count; i++)
+        for (uint32_t k = i; k > 0 && touches->touch[k].gap < touches->touch[k - 1].gap; k--) {
+            const struct touch nearer = touches->touch[k];
+            touches->touch[k] = touches->touch[k - 1];
+            touches->touch[k - 1] = nearer;
+        }
+    forget_links(solve);
+    touches->count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        touches->touch[touches->count] = touches->touch[i];
+        touches->count += (uint32_t)link_touch(solve, touches->count, 1);
+    }
+}
+
+void dpti_tissue_link(struct tissue_solve *solve)
+{
+    int has_room = 1;
+    solve->rub_count = solve->is_begun = 0;
+    solve->problem.matrix++;
+    solve->problem.matrix += !solve->problem.matrix;
+    forget_links(solve);
+    for (uint32_t i = 0; i < solve->touches.count && has_room; i++)
+        has_room = link_touch(solve, i, 0);
+    if (!has_room)
+        link_nearest(solve);
+}
+
+/* A node of the solve that a load on one of them moves, too, and how far, m/N. Goes on as dpti_loaded_step_neighbour. */
+static struct tissue_node *next_moved(struct tissue_solve *solve, const struct tissue_node *by, uint32_t *entry,
+                                      double *response)
+{
+    uint32_t node;
+    while (dpti_loaded_step_neighbour(&solve->bodies[by->body].step, by->node, entry, &node, response)) {
+        const uint32_t number = solve->table[slot_of(solve, by->body, node)];
+        if (number)
+            return &solve->nodes[number - 1];
+    }
+    return NULL;
+}
+
+void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link)
+{
+    for (uint32_t k = 0; k < link->count; k++) {
+        const struct tissue_node *node = &solve->nodes[link->node[k]], *other;
+        double response;
+        solve->spread[link->node[k]] += link->weight[k] * node->response;
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            solve->spread[other - solve->nodes] += link->weight[k] * response;
+    }
+}
+
+void dpti_tissue_clear_spread(struct tissue_solve *solve, const struct tissue_link *link)
+{
+    for (uint32_t k = 0; k < link->count; k++) {
+        const struct tissue_node *node = &solve->nodes[link->node[k]], *other;
+        double response;
+        solve->spread[link->node[k]] = 0.0;
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            solve->spread[other - solve->nodes] = 0.0;
+    }
+}
+
+void dpti_tissue_answer(struct tissue_solve *solve)
+{
+    for (uint32_t i = 0; i < solve->node_count; i++)
+        solve->nodes[i].answer = (vec3){ 0.0, 0.0, 0.0 };
+    for (uint32_t i = 0; i < solve->node_count; i++) {
+        struct tissue_node *node = &solve->nodes[i], *other;
+        const vec3 load = node->load;
+        double response;
+        if (load.x == 0.0 && load.y == 0.0 && load.z == 0.0)
+            continue;
+        node->answer = along(node->answer, node->response, load);
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            other->answer = along(other->answer, response, load);
+    }
+}

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which nodes of the tissue touches load, by how much, and how these loads move them. docs/algorithms/tissue.md. */
+#ifndef DPT_TISSUE_LINK_H
+#define DPT_TISSUE_LINK_H
+
+#include "tissue/tissue_state.h"
+
+/* After touches were gathered and the bodies' steps have begun: links, and the nodes of the touches. */
+void dpti_tissue_link(struct tissue_solve *solve);
+
+/* How a newton of a touch moves nodes, m: into `spread`. And zero again. */
+void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link);
+void dpti_tissue_clear_spread(struct tissue_solve *solve, const struct tissue_link *link);
+
+/* How far the loads of all nodes move them: their answers. */
+void dpti_tissue_answer(struct tissue_solve *solve);
+
+#endif
