@@ -76,10 +76,7 @@ static void add_known(struct tissue_solve *solve, const struct tissue_row *row, 
     struct tissue_tool *tool = &solve->tools[link->tool];
     for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
         tool->known[k] += force * row->lever[k] / tool->stiffness;
-    for (uint32_t k = 0; k < link->count; k++) {
-        struct tissue_node *node = &solve->nodes[link->node[k]];
-        node->load = along(node->load, -force * link->weight[k], row->within);
-    }
+    dpti_tissue_add_answer(solve, link, -force, row->within);
 }
 
 void dpti_rubs_set_known(struct tissue_solve *solve)
@@ -88,12 +85,11 @@ void dpti_rubs_set_known(struct tissue_solve *solve)
     for (uint32_t t = 0; t < solve->tool_count; t++)
         memcpy(solve->tools[t].known, solve->tools[t].away, sizeof solve->tools[t].known);
     for (uint32_t i = 0; i < solve->node_count; i++)
-        solve->nodes[i].load = none;
+        solve->nodes[i].answer = none;
     for (uint32_t r = 0; r < solve->rub_count; r++)
         for (uint32_t d = 0; d < 2; d++)
             if (solve->rubs[r].state == RUB_SLIPS)
                 add_known(solve, &solve->rows[tissue_row_of_rub(solve, r) + d], solve->rubs[r].pull[d]);
-    dpti_tissue_answer(solve);
 }
 
 static int set_open(struct tissue_rub *rub)
@@ -132,14 +128,10 @@ static double compliance_of(struct tissue_solve *solve, const struct tissue_row 
 {
     const struct tissue_link *link = &solve->links[row->touch];
     const struct tissue_tool *tool = &solve->tools[link->tool];
-    double sum = 0.0, square = 0.0;
-    dpti_tissue_spread_touch(solve, link);
-    for (uint32_t k = 0; k < link->count; k++)
-        sum += link->weight[k] * solve->spread[link->node[k]];
-    dpti_tissue_clear_spread(solve, link);
+    double square = 0.0;
     for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
         square += row->lever[k] * row->lever[k];
-    return sum + square / tool->stiffness;
+    return dpti_tissue_compliance(solve, link) + square / tool->stiffness;
 }
 
 /*

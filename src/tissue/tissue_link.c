@@ -248,6 +248,34 @@ void dpti_tissue_clear_spread(struct tissue_solve *solve, const struct tissue_li
     }
 }
 
+double dpti_tissue_compliance(struct tissue_solve *solve, const struct tissue_link *link)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < link->count; k++)
+        solve->spread[link->node[k]] = link->weight[k];
+    for (uint32_t k = 0; k < link->count; k++) {
+        const struct tissue_node *node = &solve->nodes[link->node[k]], *other;
+        double response;
+        sum += link->weight[k] * link->weight[k] * node->response;
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            sum += link->weight[k] * solve->spread[other - solve->nodes] * response;
+    }
+    for (uint32_t k = 0; k < link->count; k++)
+        solve->spread[link->node[k]] = 0.0;
+    return sum;
+}
+
+void dpti_tissue_add_answer(struct tissue_solve *solve, const struct tissue_link *link, double force, vec3 within)
+{
+    for (uint32_t k = 0; k < link->count; k++) {
+        struct tissue_node *node = &solve->nodes[link->node[k]], *other;
+        double response;
+        node->answer = along(node->answer, force * link->weight[k] * node->response, within);
+        for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
+            other->answer = along(other->answer, force * link->weight[k] * response, within);
+    }
+}
+
 void dpti_tissue_answer(struct tissue_solve *solve)
 {
     for (uint32_t i = 0; i < solve->node_count; i++)

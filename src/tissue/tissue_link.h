@@ -12,6 +12,12 @@ void dpti_tissue_link(struct tissue_solve *solve);
 void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link);
 void dpti_tissue_clear_spread(struct tissue_solve *solve, const struct tissue_link *link);
 
+/* m/N: how far its point moves by a force on it. */
+double dpti_tissue_compliance(struct tissue_solve *solve, const struct tissue_link *link);
+
+/* The answers of nodes to a force on a touch, N, along a unit vector in the body's frame, are added. */
+void dpti_tissue_add_answer(struct tissue_solve *solve, const struct tissue_link *link, double force, vec3 within);
+
 /* How far the loads of all nodes move them: their answers. */
 void dpti_tissue_answer(struct tissue_solve *solve);
 

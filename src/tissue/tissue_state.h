@@ -51,8 +51,8 @@ struct tissue_node {
     vec3 begin;      /* where it was before the step, in the body's frame */
     vec3 moved;      /* m: how far from there it would be after the substep, without tools */
     vec3 slid;       /* m: how far it would move in the substep, as friction sees it */
-    vec3 load;       /* N: of the pushes that are known, and then of a substep's answer */
-    vec3 answer;     /* m: what loads add to both */
+    vec3 load;       /* N, of a substep's answer */
+    vec3 answer;     /* m: what pushes add to both: those that are known, and in the end all */
     int is_foreseen; /* `moved` is of this substep */
     uint32_t seen;   /* by the link that was made last of those that load it: its number */
     uint32_t place;  /* in that touch's link */
