@@ -312,7 +312,7 @@ const struct lab_case hum_case = {
         "Rigid bodies do not hum, and what gives way does not where it is solved together with the tool "
         "(docs/algorithms/tissue.md). Elsewhere, as with physics at its own rate, few points hold a tool that lies, give "
         "way in each tick, and others hold it in the next: a coupling of 200 N/m hums least there. More damping of the coupling makes it worse, and a low-pass slow enough to hide it makes the "
-        "tissue late. A light sheet hums with IMPLICIT: choose SYMPLECTIC and some drag.",
+        "tissue late. A tool that is led over a fine soft surface slips off its edges: then the force jumps once.",
     .run = run,
     .is_named_only = 1
 };
