@@ -20,13 +20,14 @@ enum { RUN_TICKS = 2000, RUNS = 3 };
 
 #define DEPTH     5e-3
 #define CLEARANCE 2e-6 /* of the diagonal */
+#define FOLD_SPEED 1.0 /* m/s: a proxy goes 2 |device's motion| + that in a tick at most */
 #define AS_FAR    0.05
 
 static const double radii[] = { 1e-6, 1e-4, 1e-3 };
 enum { RADII = sizeof radii / sizeof *radii };
 
 struct sums {
-    uint64_t ticks, farther, nearer, lost;
+    uint64_t ticks, farther, nearer, folding;
     double force, oracle;
 };
 
@@ -44,9 +45,11 @@ static void run_once(const struct solid *solid, double radius, uint64_t seed, st
                         rig.device.position))
         exit(2);
     for (int tick = 0; tick < RUN_TICKS && rig.force.reason <= DPT_FORCE_FREE; tick++) {
+        const dpt_pose before = rig.device;
         hand_move(&hand, &rig.device);
         rig_step(&rig);
-        sums->lost += !ball_path_follow(&path, rig.device.position);
+        const double longest = 2 * apart(before.position, rig.device.position) + FOLD_SPEED * RIG_DT;
+        sums->folding += !ball_path_follow(&path, rig.device.position, longest);
         const double far = apart(rig.proxy.position, rig.device.position), due = apart(path.at, rig.device.position);
         sums->ticks++;
         sums->force += rig_force(&rig);
@@ -65,7 +68,7 @@ int main(int argc, char **argv)
     const int runs = argc > 1 ? atoi(argv[1]) : RUNS;
     const char *mesh = argc > 2 ? argv[2] : "";
     const double radius = argc > 3 ? atof(argv[3]) : 0;
-    puts("mesh,triangles,radius,ticks,force_N,oracle_N,ratio,farther,nearer,lost");
+    puts("mesh,triangles,radius,ticks,force_N,oracle_N,ratio,farther,nearer,folding");
     for (int m = 0; m < BENCH_MESHES; m++) {
         struct solid solid;
         if ((*mesh && strcmp(mesh, bench_meshes[m].name) != 0) || !bench_mesh_open(&solid, m))
@@ -79,7 +82,7 @@ int main(int argc, char **argv)
             const double ticks = (double)sums.ticks;
             printf("%s,%u,%g,%.0f,%.3f,%.3f,%.3f,%.4f,%.4f,%llu\n", solid.name, solid.info.triangles, radii[r], ticks,
                    sums.force / ticks, sums.oracle / ticks, sums.force / sums.oracle, (double)sums.farther / ticks,
-                   (double)sums.nearer / ticks, (unsigned long long)sums.lost);
+                   (double)sums.nearer / ticks, (unsigned long long)sums.folding);
             fflush(stdout);
         }
         solid_close(&solid);

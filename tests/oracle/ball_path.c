@@ -6,7 +6,7 @@
 
 #include "lib/vector.h"
 
-enum { STEPS_MAX = 1000000, PUSHES_MAX = 200, NORMALS_MAX = 64 };
+enum { PUSHES_MAX = 200, NORMALS_MAX = 64 };
 
 #define STEP     1e-6 /* m */
 #define LISTED   2e-3 /* m, beyond the radius */
@@ -202,11 +202,15 @@ static int step(struct ball_path *path, const double device[3], double longest)
     return 1;
 }
 
-int ball_path_follow(struct ball_path *path, const double device[3])
+int ball_path_follow(struct ball_path *path, const double device[3], double longest)
 {
-    const double longest = fmin(STEP, 0.5 * path->radius);
-    for (int i = 0; i < STEPS_MAX; i++)
-        if (!step(path, device, longest) && !step(path, device, longest / 16))
+    const double most = fmin(STEP, 0.5 * path->radius);
+    double gone = 0;
+    while (gone < longest) {
+        const double from[3] = { path->at[0], path->at[1], path->at[2] };
+        if (!step(path, device, most) && !step(path, device, most / 16))
             return 1;
+        gone += apart(from, path->at);
+    }
     return 0;
 }

@@ -29,7 +29,7 @@ struct ball_path {
 int ball_path_open(struct ball_path *path, const float *corners, uint32_t count, double radius, const double at[3]);
 void ball_path_close(struct ball_path *path);
 
-/* Go to where it rests. 0: it did not come to rest in 10^6 steps. */
-int ball_path_follow(struct ball_path *path, const double device[3]);
+/* Go to where it rests, by a way of at most `longest`, m. Returns whether it rests there. */
+int ball_path_follow(struct ball_path *path, const double device[3], double longest);
 
 #endif
