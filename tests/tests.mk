@@ -328,7 +328,8 @@ $(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/t
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 $(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined $(B)/tests/bench/proxy_ticks $(B)/tests/bench/proxy_jumps $(B)/tests/bench/proxy_hangs: %: %.o $(PARTS_LIB) $(TEST_LIB)
 	$(LINK_TEST)
-$(B)/tests/bench/proxy_jumps: $(B)/tests/proxy/soak_oracle.o
+$(B)/tests/bench/proxy_jumps: $(B)/tests/proxy/jump_run.o $(B)/tests/proxy/soak_oracle.o
+$(B)/tests/bench/proxy_hangs: $(B)/tests/proxy/hang_run.o
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 

@@ -407,7 +407,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = dpti_proxy_clearance(world);
     tick.min_gap = GAP_SHARE * tick.clearance;
-    tick.edge = least_radius(&tick) + tick.clearance;
+    tick.edge = tool->tip_count ? HUGE_VAL : least_radius(&tick) + tick.clearance;
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
     proxy->last_pushed = proxy->is_ended ? proxy->pushed : proxy->felt;

@@ -63,7 +63,7 @@ struct proxy_tick {
     vec3 axes[3];     /* of `at`, for turns */
     double clearance; /* m: contacts are held so far apart */
     double min_gap;   /* m: no pose is accepted whose gap is less */
-    double edge;      /* m: of the way round a sharp edge, the radius: the tool's least one and the clearance */
+    double edge;      /* m: the radius of its way round a sharp edge; of a tool with tips it does not count: HUGE_VAL */
     double gap;       /* m: of the tool's surface at `at`; a lower bound where a budget ended the search */
     int is_before;    /* `at` is proven only for where bodies were at `time` of their motion before this tick */
     double time;      /* 0..1 */
