@@ -38,7 +38,8 @@ int main(int argc, char **argv)
     for (int k = 0; k < 4 && k + 2 < argc; k++)
         wanted[k] = argv[k + 2];
     const double friction = argc > 6 ? atof(argv[6]) : 0;
-    puts("mesh,triangles,tool,motion,holding,friction,ticks,acts,jumps,largest,puts,early,passed,overlaps,folds,mean_N");
+    puts("mesh,triangles,tool,motion,holding,friction,ticks,acts,jumps,largest,puts,early,passed,overlaps,folds,"
+         "mean_N");
     for (int m = 0; m < BENCH_MESHES; m++) {
         struct solid solid;
         struct soak_oracle oracle;

@@ -4,18 +4,18 @@
 #include "lib/rig.h"
 #include "oracle/ball_path.h"
 
-#define DEPTH     5e-3
-#define ABOVE     3e-3
-#define SPEED     0.1
-#define SLIDER    1e-3
-#define SMOOTH    0.05 /* of a tick */
-#define CLEARANCE 2e-6 /* of the diagonal */
-#define FOLD_SPEED 1.0 /* m/s: a proxy goes 2 |device's motion| + that in a tick at most */
-#define AS_FAR    0.05
+#define DEPTH      5e-3
+#define ABOVE      3e-3
+#define SPEED      0.1
+#define SLIDER     1e-3
+#define SMOOTH     0.05 /* of a tick */
+#define CLEARANCE  2e-6 /* of the diagonal */
+#define FOLD_SPEED 1.0  /* m/s: a proxy goes 2 |device's motion| and that in a tick at most */
+#define AS_FAR     0.05
 
 /*
- * A hand that wipes: a ball of 1 mm slides over the mesh, and the hand is below it. Which way is up there changes slowly, as
- * with a hand, and not at once at edges.
+ * A hand that wipes: a ball of 1 mm slides over the mesh, and the hand is below it. Which way is up changes slowly, also at
+ * edges.
  */
 struct wipe {
     struct slide slide;

@@ -74,10 +74,11 @@ static void tell(const struct run *run, const char *what, double value, double t
         return;
     axis_of(run, &run->rig.device, u, c);
     axis_of(run, &run->rig.proxy, v, c);
-    fprintf(run->def->tell, "%s,%s,%s,%g,%llu,%llu,%s,%g,reason %u,flags %u,force %.3g,device turned %.2f,from the proxy %.2f\n",
-            run->def->oracle->solid->name, hand_motion_names[run->def->motion], hand_holding_names[run->def->holding],
-            run->def->friction, (unsigned long long)run->def->seed, (unsigned long long)run->hand.tick, what, value,
-            force->reason, force->flags, length3(force->wrench.force), turned, run->rho > 0 ? angle(u, v) : 0.0);
+    fprintf(run->def->tell, "%s,%s,%s,%g,%llu,%llu,%s,%g,", run->def->oracle->solid->name,
+            hand_motion_names[run->def->motion], hand_holding_names[run->def->holding], run->def->friction,
+            (unsigned long long)run->def->seed, (unsigned long long)run->hand.tick, what, value);
+    fprintf(run->def->tell, "reason %u,flags %u,force %.3g,device turned %.2f,from the proxy %.2f\n", force->reason,
+            force->flags, length3(force->wrench.force), turned, run->rho > 0 ? angle(u, v) : 0.0);
 }
 
 static void judge_side(struct run *run, double turned)
@@ -93,7 +94,8 @@ static void judge_side(struct run *run, double turned)
     }
     if (!run->def->oracle->is_closed)
         return;
-    const int is_inside = soak_is_inside(run->def->oracle, ends, &seed) || soak_is_inside(run->def->oracle, ends + 3, &seed);
+    const int is_inside =
+        soak_is_inside(run->def->oracle, ends, &seed) || soak_is_inside(run->def->oracle, ends + 3, &seed);
     if (is_inside && !run->was_inside) {
         run->counts->passed++;
         tell(run, "passed", gap, turned);

@@ -370,8 +370,8 @@ static void check_fade(struct rig *rig, const char *text)
     const int ticks = (int)ceil(before / PACE - 1e-6);
     CHECK(ticks > 0, "%s: %g N", text, before);
     for (int k = 1; k <= ticks; k++) {
-        CHECK(rig->force.flags & DPT_FORCE_FLAG_FADING && rig->force.reason != DPT_FORCE_ACTS, "%s: reason %u, flags %u",
-              text, rig->force.reason, rig->force.flags);
+        CHECK(rig->force.flags & DPT_FORCE_FLAG_FADING && rig->force.reason != DPT_FORCE_ACTS,
+              "%s: reason %u, flags %u", text, rig->force.reason, rig->force.flags);
         rig_step(rig);
         const double now = wrench_length(&rig->force.wrench), fell = before - now;
         CHECK(k < ticks ? fabs(fell - PACE) < 1e-6 * PACE : fell < (1 + 1e-6) * PACE, "%s: %g N after %g N", text, now,
