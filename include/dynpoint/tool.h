@@ -229,7 +229,9 @@ enum {
  * in a straight line to its new value, which is zero while the contact is unknown. This takes dpt_world_def.fade
  * seconds, counted by the steps' dt. The wrench is always between the old and the new value. Another such event starts
  * the time again. With a proxy it fades where the proxy is put at its device (DPT_FORCE_FLAG_SQUEEZED, _REPLACED), and
- * where a body that was added or teleported may be round it.
+ * where a body that was added or teleported may be round it. There it takes longer if it must: while it fades the wrench
+ * changes by at most stiffness * (3 * the device's motion + 1 m/s * dt) in a step, as without a fade. A `fade` of 0 ends it
+ * at once.
  *
  * The wrench is zero at once after an error, a teleport, a reset or input that cannot be used, with stiffness 0, and
  * when a rigid tool becomes free or the reverse. The push of a body that is removed or teleported ends at once, too. If

@@ -42,13 +42,6 @@ static double farthest(const struct proxy_tick *tick)
     return length(motion.shift) + tick->proxy->extent * length(motion.turn);
 }
 
-/* Whether the solution leaves no motion that is worth making. */
-static int is_arrived(const struct proxy_tick *tick, double size, double left)
-{
-    return left == 0.0 || size < PROXY_MOTION_SMALL * tick->clearance ||
-           (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance);
-}
-
 /* Whether the proxy remembers a triangle: it held it or was hit. */
 static int is_remembered(const struct proxy *proxy, const struct patch_view *view, uint32_t triangle)
 {
@@ -211,7 +204,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
         work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
         const double size = norm_of(tick->solved.y, proxy_unknowns(proxy));
         proxy->lag = size;
-        if (is_arrived(tick, size, left)) {
+        if (left == 0.0 || proxy_has_arrived(tick, size, left)) {
             if (left > 0.0 && dpti_patch_prefer_pairs(tick, view))
                 continue;
             dpti_proxy_remember_active(tick);

@@ -195,6 +195,33 @@ static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
     return wrench;
 }
 
+/* m: from the tool's origin to its centre, at a pose of the device. */
+static vec3 lever_at(const struct proxy *proxy, const dpt_pose *pose)
+{
+    const struct proxy_pose device = dpti_proxy_pose_of(proxy, pose);
+    return sub(device.centre, device.frame.origin);
+}
+
+/*
+ * A fade takes so long that what is felt changes by no more than in a fold (proxy->pace). What fades is about the centre:
+ * a turn of the device does not change it.
+ */
+static void fade_in_pace(const struct tool *tool, struct proxy *proxy, const dpt_wrench *truth, double dt)
+{
+    struct fade *fade = &proxy->fade;
+    const double rho = proxy->coupling.rho, limit = proxy->coupling.stiffness * proxy->pace;
+    if (!(fade->time_left > 0.0) || !(limit > 0.0))
+        return;
+    const vec3 lever = lever_at(proxy, &tool->pose);
+    const vec3 force = vec3_of(fade->felt.force);
+    const vec3 turned = cross(sub(lever, lever_at(proxy, &proxy->last_device_pose)), force);
+    vec3_store(add(vec3_of(fade->felt.torque), turned), fade->felt.torque);
+    const vec3 way = sub(vec3_of(truth->force), force);
+    const vec3 turn = sub(sub(vec3_of(truth->torque), vec3_of(fade->felt.torque)), cross(lever, way));
+    const double size = sqrt(dot(way, way) + (rho > 0.0 ? dot(turn, turn) / (rho * rho) : 0.0));
+    fade->time_left = max_of(fade->time_left, dt * size / limit);
+}
+
 void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
 {
     struct proxy *proxy = proxy_of(world, tool);
@@ -214,6 +241,7 @@ void dpti_proxy_respond(struct dpt_world *world, struct tool *tool, double dt)
         fade->time_left = world->def.fade;
     if (proxy->reason == DPT_FORCE_OFF)
         fade->time_left = 0.0;
+    fade_in_pace(tool, proxy, &truth, dt);
     fade_step(fade, &truth, dt);
     tool->wrench = fade->felt;
     tool->force_flags = proxy->flags | (fade->time_left > 0.0 ? DPT_FORCE_FLAG_FADING : 0u);

@@ -44,8 +44,11 @@ enum { PUSHES_MAX = 4 };
 /* As a share of the minimum gap: a proxy that is nearer to its device than that counts as being there. */
 #define HELD 1e-3
 
-/* m/s: how fast a proxy may move, beyond twice the device's motion, when what held it is gone (a fold). */
-#define FOLD_SPEED 1.0
+/*
+ * What is felt of a turn by t is the least turn: where the axis moves aside, that moves by t / sin(t) as much. So much more, at
+ * most, for each rad^2 up to 1 rad.
+ */
+#define BENT 0.2
 
 /*
  * The reach of the motion must be guessed before there are constraints to solve for it. If it was too short: once more.
@@ -141,8 +144,7 @@ static int choose_motion(struct proxy_tick *tick, const struct displacement *dis
     const double size = norm_of(tick->solved.y, n);
     proxy->lag = size;
     dpti_proxy_remember_active(tick);
-    if (!tick->is_before && (size < PROXY_MOTION_SMALL * tick->clearance ||
-                             (size < PROXY_CONVERGED * left && tick->gap > PROXY_GAP_KEPT * tick->clearance)))
+    if (!tick->is_before && proxy_has_arrived(tick, size, left))
         return FOLLOW_DONE;
     /* While a body pushes, the proxy does not wait for trust to grow. */
     const double longest = tick->is_before ? allowed : min_of(proxy->trust, allowed);
@@ -297,6 +299,14 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
     }
 }
 
+/* m: how far a proxy may move, so that what is felt changes by no more than proxy->pace. */
+static double motion_allowed(const struct proxy_tick *tick, double device_moved, double dt)
+{
+    const struct displacement left = dpti_proxy_displacement(tick->proxy, &tick->at, &tick->device);
+    const double bent = 1.0 + BENT * min_of(1.0, dot(left.turn, left.turn));
+    return (3.0 * device_moved + PROXY_FOLD_SPEED * dt) / bent - device_moved;
+}
+
 static void follow(struct proxy_tick *tick, double device_moved, double dt)
 {
     struct proxy *proxy = tick->proxy;
@@ -305,9 +315,9 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const int is_alone = tick->world->body_count == tick->world->unfelt_body_count;
     const int is_released = proxy->is_released || is_alone;
     const double owed = proxy->owed;
-    double allowed = is_released ? HUGE_VAL : 2.0 * device_moved + FOLD_SPEED * dt + others_moved + owed;
+    double allowed = is_released ? HUGE_VAL : motion_allowed(tick, device_moved, dt) + others_moved + owed;
     const double cap = allowed;
-    proxy->pace = is_released ? HUGE_VAL : 3.0 * device_moved + FOLD_SPEED * dt + others_moved;
+    proxy->pace = is_released ? HUGE_VAL : 3.0 * device_moved + PROXY_FOLD_SPEED * dt + others_moved;
     if (is_released)
         proxy->trust = HUGE_VAL;
     proxy->is_released = 0;
@@ -397,6 +407,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     dpti_proxy_measure(world, tool, proxy);
     tick.clearance = dpti_proxy_clearance(world);
     tick.min_gap = GAP_SHARE * tick.clearance;
+    tick.edge = tool->tip_count ? HUGE_VAL : least_radius(&tick) + tick.clearance;
     proxy->flags = 0;
     proxy->last_felt = proxy->felt;
     proxy->last_pushed = proxy->is_ended ? proxy->pushed : proxy->felt;
@@ -404,6 +415,7 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
     proxy->last_device_pose = proxy->device_pose;
     find_goal(&tick);
     if (proxy->state < PROXY_DOUBTED) {
+        proxy->pace = PROXY_FOLD_SPEED * dt;
         dpti_tips_put_all(world, tool);
         dpti_proxy_put(&tick);
     } else {

@@ -17,9 +17,17 @@ enum { PROXY_TRIANGLES_MAX = PROXY_MEMORY + 16 };
  */
 #define PROXY_SCALE_MAX 1.0
 
-/* A motion shorter than these shares of what is left to the device, or of the clearance, is not made. */
+/*
+ * A motion shorter than these shares of what is left to the device, or of the clearance, is not made. Of what is left to the
+ * device only where it is also short beside an edge: a thin tool that the device pulls round one from far away goes by motions
+ * as short as its radius.
+ */
 #define PROXY_CONVERGED    3e-4
 #define PROXY_MOTION_SMALL 1e-3
+#define PROXY_EDGE_SHARE   0.1
+
+/* m/s: how fast a proxy may move, beyond twice the device's motion, when what held it is gone (a fold). */
+#define PROXY_FOLD_SPEED 1.0
 
 /* rad: beyond that turn from a device that has itself turned as far since it was free, a proxy is put there again. */
 #define PROXY_TURN_MAX 1.0
@@ -55,6 +63,7 @@ struct proxy_tick {
     vec3 axes[3];     /* of `at`, for turns */
     double clearance; /* m: contacts are held so far apart */
     double min_gap;   /* m: no pose is accepted whose gap is less */
+    double edge;      /* m: the radius of its way round a sharp edge; of a tool with tips it does not count: HUGE_VAL */
     double gap;       /* m: of the tool's surface at `at`; a lower bound where a budget ended the search */
     int is_before;    /* `at` is proven only for where bodies were at `time` of their motion before this tick */
     double time;      /* 0..1 */
@@ -77,6 +86,14 @@ struct proxy_tick {
     struct friction_contact contacts[HALF_SPACE_DIMENSIONS];
     uint32_t contact_spaces[HALF_SPACE_DIMENSIONS]; /* the constraints of the contacts */
 };
+
+/* Whether a motion of length `size` that was solved for, where `left` is left to the device, is not worth making. */
+static inline int proxy_has_arrived(const struct proxy_tick *tick, double size, double left)
+{
+    return size < PROXY_MOTION_SMALL * tick->clearance ||
+           (size < PROXY_CONVERGED * left && size < PROXY_EDGE_SHARE * tick->edge &&
+            tick->gap > PROXY_GAP_KEPT * tick->clearance);
+}
 
 /* m: of the segment or tip that a constraint is of. */
 static inline double proxy_radius_of(const struct proxy_tick *tick, uint32_t space)
