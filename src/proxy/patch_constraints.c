@@ -10,6 +10,9 @@
 /* Unit normals that differ by no more, and gaps, as a share of the clearance, are the same. */
 #define TWIN 1e-9
 
+/* As a share of a motion: one that may meet too many triangles is made so much shorter. */
+#define CROWDED_SHARE 0.5
+
 /* As a share of the clearance: a sweep past a triangle may end so much earlier. */
 #define SWEPT 0.05
 
@@ -119,6 +122,7 @@ struct trial {
     double kept;  /* m: so far the axis must stay in front of a plane */
     uint32_t plane_count;
     vec3 normal[HALF_SPACE_DIMENSIONS]; /* of the planes that hold */
+    vec3 down[HALF_SPACE_DIMENSIONS];   /* the other way */
     struct sweep sweep;                 /* if is_swept */
     int is_swept;
     double met; /* the time at which what was swept past last is met */
@@ -134,9 +138,12 @@ static void trial_set(const struct proxy_tick *tick, const struct patch_view *vi
     trial->kept = view->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance;
     trial->way = dpti_patch_way(view, a, b, trial->moved + trial->kept);
     trial->is_swept = 0;
+    trial->met = 0.0;
     trial->plane_count = tick->solved.active_count;
-    for (uint32_t k = 0; k < trial->plane_count; k++)
+    for (uint32_t k = 0; k < trial->plane_count; k++) {
         trial->normal[k] = frame_turn_back(body, vec3_of(tick->spaces[tick->solved.active[k]].normal));
+        trial->down[k] = scaled(trial->normal[k], -1.0);
+    }
 }
 
 /* Whether a ball stays in front of a triangle's own plane; looked at before the triangle's corners are. */
@@ -162,34 +169,74 @@ static int is_behind_plane(const struct patch_view *view, const struct trial *tr
     return 0;
 }
 
+/* Prepare to sweep past triangles. */
+static void begin_sweep(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial)
+{
+    const struct patch_way *way = &trial->way;
+    const struct motion motion = { way->a[0], way->b[0], sub(way->a[1], way->a[0]), sub(way->b[1], way->b[0]) };
+    if (trial->is_swept)
+        return;
+    dpti_sweep_begin(&trial->sweep, &motion, trial->kept, SWEPT * tick->clearance,
+                     dpti_surface_extent(&view->body->surface));
+    trial->sweep.directions = trial->down;
+    trial->sweep.direction_count = trial->plane_count;
+    trial->is_swept = 1;
+}
+
 /* The same by planes of pairs on the way, of a part of the axis at a time; of one that is held by a sweep past it. */
 static int is_swept_free(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
                          const struct patch_triangle *triangle)
 {
     const struct surface *surface = &view->body->surface;
-    const struct patch_way *way = &trial->way;
     struct moving_triangle still = { .is_moving = 0 };
     uint32_t evaluations = 1;
-    if (!trial->is_swept) {
-        const struct motion motion = { way->a[0], way->b[0], sub(way->a[1], way->a[0]), sub(way->b[1], way->b[0]) };
-        dpti_sweep_begin(&trial->sweep, &motion, trial->kept, SWEPT * tick->clearance, dpti_surface_extent(surface));
-        trial->is_swept = 1;
-    }
+    begin_sweep(tick, view, trial);
     surface_corners(surface, triangle->triangle, still.corner);
     const int is_free =
-        !dpti_sweep_may_touch_triangle(&trial->sweep, &still) ||
-        (triangle->is_held && dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE);
+        triangle->is_held
+            ? dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE
+            : !dpti_sweep_may_touch_triangle(&trial->sweep, &still);
     work_spend(&tick->world->work, evaluations);
     return is_free;
 }
 
-/* Whether a triangle of the list is in nobody's way. */
-static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
-                             struct patch_triangle *triangle)
+/* Whether what is known of a triangle of the list tells that it is in nobody's way. */
+static int is_known_clear(const struct proxy_tick *tick, const struct patch_view *view, const struct trial *trial,
+                          const struct patch_triangle *triangle)
 {
-    if (triangle->gap - trial->moved > tick->clearance || (view->is_ball && stays_in_front(view, trial, triangle)) ||
-        is_behind_plane(view, trial, triangle))
-        return 1;
+    return triangle->gap - trial->moved > tick->clearance ||
+           (view->is_ball && stays_in_front(view, trial, triangle)) || is_behind_plane(view, trial, triangle);
+}
+
+/* How a line is to a triangle at the end of the motion. */
+enum { END_MET, END_CLEAR, END_UNKNOWN };
+
+static int look_at_end(const struct proxy_tick *tick, const struct patch_view *view, const struct trial *trial,
+                       const struct patch_triangle *triangle)
+{
+    const struct patch_way *way = &trial->way;
+    double part[2];
+    vec3 v[3];
+    surface_corners(&view->body->surface, triangle->triangle, v);
+    const pair end = segment_triangle(way->a[1], sub(way->b[1], way->a[1]), v[0], v[1], v[2]);
+    work_spend(&tick->world->work, 1);
+    if (!(end.distance2 > trial->kept * trial->kept))
+        return END_MET;
+    const vec3 normal = scaled(end.gap, 1.0 / sqrt(end.distance2));
+    return !patch_part_beside(way, v, part) || patch_height(way, normal, part, v) >= trial->kept ? END_CLEAR
+                                                                                                 : END_UNKNOWN;
+}
+
+/* The same of one in doubt: beside a line by where it is at the end; by its nearest pair; beside a line by a sweep. */
+static int is_proven_clear(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
+                           struct patch_triangle *triangle)
+{
+    if (!view->is_ball) {
+        const int end = look_at_end(tick, view, trial, triangle);
+        /* Of one that is held already, a sweep tells when it is met. */
+        if (end == END_CLEAR || (end == END_MET && !triangle->is_held))
+            return end == END_CLEAR;
+    }
     if (!triangle->is_found) {
         dpti_patch_find(tick->world, view, triangle);
         if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(view, trial, triangle))
@@ -198,64 +245,120 @@ static int is_out_of_the_way(const struct proxy_tick *tick, const struct patch_v
     return !view->is_ball && is_swept_free(tick, view, trial, triangle);
 }
 
-/*
- * Of what is in the way of a line: the outermost towards its ends a and b. Held by these, it may be clear of the
- * others.
- */
-struct outer {
-    uint32_t triangle[2]; /* in the list, or PATCH_TRIANGLES_MAX */
-    double from_end[2];   /* the least share of the line from each end to it */
+/* Beside a ball: what is in the way joins. It stays in front of the planes that are its constraints. */
+static enum patch_proof prove_ball(struct proxy_tick *tick, struct patch_view *view, struct trial *trial, double reach,
+                                   vec3 motion)
+{
+    enum patch_proof proof = PATCH_FREE;
+    for (uint32_t i = 0; i < view->count; i++) {
+        struct patch_triangle *triangle = &view->list[i];
+        if (triangle->is_held || is_known_clear(tick, view, trial, triangle) ||
+            is_proven_clear(tick, view, trial, triangle))
+            continue;
+        if (!dpti_patch_hold(tick, view, i, reach, motion))
+            return PATCH_CROWDED;
+        proof = PATCH_ADDED;
+    }
+    return proof;
+}
+
+/* A triangle in doubt beside a line. What comes first by each measure is looked at first. */
+enum { FROM_A, FROM_B, LEAST_HEIGHT, MEASURES };
+struct doubt {
+    uint32_t triangle;   /* in the list */
+    double by[MEASURES]; /* the share of the line from its end a to it, from b; m: the line's height over its plane */
 };
 
-static void note_outer(const struct patch_view *view, const struct trial *trial, uint32_t i, struct outer *outer)
+static struct doubt doubt_of(const struct patch_view *view, const struct trial *trial, uint32_t i)
 {
     double part[2];
     vec3 v[3];
     surface_corners(&view->body->surface, view->list[i].triangle, v);
     patch_part_beside(&trial->way, v, part);
-    for (int end = 0; end < 2; end++) {
-        const double from_end = end ? 1.0 - part[0] : part[1];
-        if (!(from_end < outer->from_end[end]))
-            continue;
-        outer->from_end[end] = from_end;
-        outer->triangle[end] = i;
-    }
+    return (struct doubt){ i,
+                           { part[1], 1.0 - part[0], patch_height(&trial->way, view->list[i].normal, part, v) } };
 }
 
-enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
-                                  double reach, double *met)
+/*
+ * Of what is in the way of a line, the first by a measure: held by these, it may be clear of the others, which need not
+ * be looked at. Of those that are in doubt, *count, the clear ones are taken out. PATCH_TRIANGLES_MAX: there is none.
+ */
+static uint32_t first_met(struct proxy_tick *tick, struct patch_view *view, struct trial *trial, int measure,
+                          struct doubt *doubts, uint32_t *count)
 {
-    const vec3 motion = sub(to->centre, tick->at.centre);
-    enum patch_proof proof = PATCH_FREE;
-    struct outer outer = { { PATCH_TRIANGLES_MAX, PATCH_TRIANGLES_MAX }, { HUGE_VAL, HUGE_VAL } };
-    struct trial trial;
-    trial_set(tick, view, to, &trial);
-    *met = 0.0;
-    if (trial.moved + tick->clearance > view->reach)
-        return PATCH_UNPROVEN;
-    for (uint32_t i = 0; i < view->count; i++) {
-        struct patch_triangle *triangle = &view->list[i];
-        /* A ball stays in front of the plane that is its constraint. */
-        if ((triangle->is_held && view->is_ball) || is_out_of_the_way(tick, view, &trial, triangle))
-            continue;
-        if (triangle->is_held) {
-            *met = trial.met;
-            return PATCH_UNPROVEN;
-        }
-        if (!view->is_ball)
-            note_outer(view, &trial, i, &outer);
-        else if (!dpti_patch_hold(tick, view, i, reach, motion))
-            return PATCH_CROWDED;
-        else
-            proof = PATCH_ADDED;
+    while (*count) {
+        uint32_t first = 0;
+        for (uint32_t k = 1; k < *count; k++)
+            if (doubts[k].by[measure] < doubts[first].by[measure])
+                first = k;
+        const uint32_t i = doubts[first].triangle;
+        if (view->list[i].is_held || !is_proven_clear(tick, view, trial, &view->list[i]))
+            return i;
+        --*count;
+        memmove(&doubts[first], &doubts[first + 1], (*count - first) * sizeof *doubts);
     }
-    for (int k = 0; k < 2; k++) {
-        const uint32_t i = outer.triangle[k];
+    return PATCH_TRIANGLES_MAX;
+}
+
+/* Beside a line, of the triangles of the list from one on: what is in the way joins, a few at a time. */
+static enum patch_proof hold_met(struct proxy_tick *tick, struct patch_view *view, struct trial *trial, uint32_t from,
+                                 double reach, vec3 motion)
+{
+    struct doubt doubts[PATCH_TRIANGLES_MAX];
+    uint32_t count = 0;
+    enum patch_proof proof = PATCH_FREE;
+    for (uint32_t i = from; i < view->count; i++)
+        if (!view->list[i].is_held && !is_known_clear(tick, view, trial, &view->list[i]))
+            doubts[count++] = doubt_of(view, trial, i);
+    for (int k = MEASURES - 1; k >= 0; k--) {
+        const uint32_t i = first_met(tick, view, trial, k, doubts, &count);
         if (i == PATCH_TRIANGLES_MAX || view->list[i].is_held)
             continue;
         if (!dpti_patch_hold(tick, view, i, reach, motion))
             return PATCH_CROWDED;
         proof = PATCH_ADDED;
     }
+    return proof;
+}
+
+/*
+ * Beside a line. Where nothing that is listed is in the way, the rest of the patch is looked at; where nothing is at all,
+ * what is held already.
+ */
+static enum patch_proof prove_line(struct proxy_tick *tick, struct patch_view *view, struct trial *trial, double reach,
+                                   vec3 motion)
+{
+    const uint32_t listed = view->count;
+    enum patch_proof proof = hold_met(tick, view, trial, 0, reach, motion);
+    if (proof == PATCH_FREE && trial->moved + tick->clearance > view->reach) {
+        begin_sweep(tick, view, trial);
+        if (!dpti_patch_list_met(tick->world, view, &trial->sweep)) {
+            trial->met = CROWDED_SHARE;
+            return PATCH_UNPROVEN;
+        }
+        proof = hold_met(tick, view, trial, listed, reach, motion);
+    }
+    trial->met = 0.0;
+    for (uint32_t i = 0; i < view->count && proof == PATCH_FREE; i++)
+        if (view->list[i].is_held && !is_known_clear(tick, view, trial, &view->list[i]) &&
+            !is_proven_clear(tick, view, trial, &view->list[i]))
+            proof = PATCH_UNPROVEN;
+    return proof;
+}
+
+enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
+                                  double reach, double *met)
+{
+    const vec3 motion = sub(to->centre, tick->at.centre);
+    struct trial trial;
+    trial_set(tick, view, to, &trial);
+    *met = 0.0;
+    if (trial.moved + tick->clearance > view->covered)
+        return PATCH_UNPROVEN;
+    if (view->is_ball)
+        return prove_ball(tick, view, &trial, reach, motion);
+    const enum patch_proof proof = prove_line(tick, view, &trial, reach, motion);
+    if (proof == PATCH_UNPROVEN)
+        *met = trial.met;
     return proof;
 }

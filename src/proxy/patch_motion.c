@@ -12,7 +12,7 @@
 #include "proxy/proxy_motion.h"
 #include "proxy/solved_motion.h"
 
-enum { MOTIONS_MAX = 8, SOLVES_MAX = 12, SHORTER_MAX = 3 };
+enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 
 /*
  * A tick's first look reaches so many times as far as is expected of its motions together. That of a line is less
@@ -20,6 +20,9 @@ enum { MOTIONS_MAX = 8, SOLVES_MAX = 12, SHORTER_MAX = 3 };
  */
 #define LOOK_AHEAD      1.0
 #define LOOK_AHEAD_LINE 1.5
+
+/* As a share of a motion: where the patch has less than that of it, it is left to a sweep. */
+#define LONG_WAY 0.25
 
 /* As a multiple of the clearance: a motion is so much shorter than the view reaches. */
 #define SHORTER 2.0
@@ -29,9 +32,6 @@ enum { MOTIONS_MAX = 8, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 
 /* As a share of the clearance: gaps that differ by less are the same. */
 #define AS_NEAR 0.01
-
-/* As a share of what is left: after the last motion no more than that may have been left to make. */
-#define LAG_LEFT 0.01
 
 enum { MOTION_DONE, MOTION_MADE, MOTION_NONE };
 
@@ -110,9 +110,9 @@ struct patch_motion {
     int is_to_goal;
 };
 
-/* The pose to which the solution leads, by motions not longer than `longest`, m. */
+/* The pose to which the solution leads, by motions not longer than `longest`, m. aims_at_goal: it is of the whole way. */
 static void choose(struct proxy_tick *tick, const struct patch_view *view, const double *wanted, double longest,
-                   struct patch_motion *motion)
+                   int aims_at_goal, struct patch_motion *motion)
 {
     memcpy(motion->straight, tick->solved.y, sizeof motion->straight);
     if (view->is_ball) {
@@ -122,7 +122,7 @@ static void choose(struct proxy_tick *tick, const struct patch_view *view, const
     } else {
         motion->to = dpti_solved_correct(tick, wanted, motion->straight, longest, &motion->share);
     }
-    motion->is_to_goal = tick->solved.active_count == 0 && motion->share == 1.0;
+    motion->is_to_goal = aims_at_goal && tick->solved.active_count == 0 && motion->share == 1.0;
     if (motion->is_to_goal)
         motion->to = tick->goal;
 }
@@ -192,6 +192,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
     struct patch_motion motion;
     enum patch_proof proof = PATCH_ADDED;
+    double aim = 1.0; /* the share of the way to the goal that is solved for */
     int has_widened = 0;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
     const double left = dpti_solved_wanted(tick, &way, wanted);
@@ -199,28 +200,40 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
     if (!look(tick, view, *reach, hint))
         return MOTION_NONE;
     for (int solves = 0; proof == PATCH_ADDED; solves++) {
-        if (solves == SOLVES_MAX || !dpti_proxy_solve_rubbing(tick, wanted))
+        if (solves == SOLVES_MAX || work_left(&tick->world->work) < PATCH_WORK ||
+            !dpti_proxy_solve_rubbing(tick, wanted))
             return MOTION_NONE;
         work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
         const double size = norm_of(tick->solved.y, proxy_unknowns(proxy));
-        proxy->lag = size;
-        if (left == 0.0 || proxy_has_arrived(tick, size, left)) {
+        proxy->lag = min_of(left, size / aim);
+        if (left == 0.0 || proxy_has_arrived(tick, size, aim * left)) {
             if (left > 0.0 && dpti_patch_prefer_pairs(tick, view))
                 continue;
             dpti_proxy_remember_active(tick);
             return MOTION_DONE;
         }
         const double far = min_of(1.0, *allowed / size) * farthest(tick);
-        const double farthest_allowed = view->reach - SHORTER * tick->clearance;
-        if (far > farthest_allowed && !has_widened) {
+        const double farthest_allowed = view->covered - SHORTER * tick->clearance;
+        const double gathered = max_of(*reach, view->reach - SHORTER * tick->clearance);
+        if (far > min_of(gathered, farthest_allowed) && !has_widened) {
             *reach = 1.5 * far + near;
             has_widened = 1;
             if (!look(tick, view, *reach, hint))
                 return MOTION_NONE;
             continue;
         }
-        const double share = far > farthest_allowed ? farthest_allowed / far : 1.0;
-        choose(tick, view, wanted, share * min_of(size, *allowed), &motion);
+        /* The tree is made for ways as long as this. */
+        if (farthest_allowed < LONG_WAY * far)
+            return MOTION_NONE;
+        const double longest = min_of(1.0, farthest_allowed / far) * min_of(size, *allowed);
+        if (aim == 1.0 && size > longest) {
+            /* What holds a tool that goes far tells little of where it begins to go. */
+            aim = longest / size;
+            for (int k = 0; k < HALF_SPACE_DIMENSIONS; k++)
+                wanted[k] *= aim;
+            continue;
+        }
+        choose(tick, view, wanted, longest, aim == 1.0, &motion);
         proof = prove(tick, view, &way, wanted, left, *reach, &motion);
     }
     *reach = near;
@@ -248,10 +261,6 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
         if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance)
             break;
     }
-    const struct displacement rest = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    if (!tick->is_settled && *allowed > PROXY_MOTION_SMALL * tick->clearance &&
-        proxy->lag > LAG_LEFT * displacement_norm(&proxy->coupling, &rest))
-        return 0;
     if (!tick->is_moved)
         dpti_patch_leave(&view);
     /* The last constraints are kept. */

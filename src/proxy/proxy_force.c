@@ -127,14 +127,16 @@ static struct displacement in_pace(struct proxy *proxy, const struct displacemen
     const double last = displacement_norm(coupling, &proxy->felt);
     if (!proxy->is_behind)
         return *felt;
-    const double share = is_waiting && proxy->lag > proxy->pace && now > last ? last / now : 1.0;
+    const int is_far = proxy->lag > proxy->pace && now > last;
+    const double share = is_far ? last / now : 1.0;
     const struct displacement goal = displacement_sum(&none, share, felt);
     const struct displacement grown = displacement_sum(&goal, -1.0, &proxy->felt);
     const double size = displacement_norm(coupling, &grown);
-    proxy->is_behind = is_waiting || size > proxy->pace;
+    proxy->is_behind = is_waiting || is_far || size > proxy->pace;
+    if (proxy->is_behind)
+        proxy->flags |= DPT_FORCE_FLAG_BEHIND;
     if (!(size > proxy->pace))
         return goal;
-    proxy->flags |= DPT_FORCE_FLAG_BEHIND;
     return displacement_sum(&proxy->felt, proxy->pace / size, &grown);
 }
 

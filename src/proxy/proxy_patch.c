@@ -3,24 +3,31 @@
 
 #include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
+#include "sweep/sweep_mesh.h"
 #include "track/body_search.h"
 
-enum { BYTES_PATCH = 640 };
+enum { BYTES_PATCH = 1984 };
 typedef char patch_fits[sizeof(struct proxy_patch) <= BYTES_PATCH ? 1 : -1];
 
 /* Beside what is asked for: so many times the reach at first, for the ticks to come; halved down to the least. */
 #define SPARE_MOST  8.0
 #define SPARE_LEAST 0.25
 
+/* Many leaves are dear: they are worth it where no patch of one block has that much to spare. */
+#define SPARE_SMALL 1.0
+
 /* After a list could not be made, none is tried for so many ticks. */
 enum { CROWDED_MOTIONS = 8 };
 
-/* Units of work that a look may take, so that it is not begun with less; and how many bodies it may pass. */
-enum { LOOK_WORK = 512, BODIES_MAX = 16 };
+/* How many bodies a look may pass. */
+enum { BODIES_MAX = 16 };
 
 /* As multiples of the clearance: so far the nearest pair is looked for. Beside a line pairs are dear. */
 #define NEAR      20.0
 #define NEAR_LINE 6.0
+
+/* As a multiple of the clearance: beside a line no farther triangles are listed before a motion may meet them. */
+#define LISTED_LINE 400.0
 
 uint64_t dpti_patch_bytes(const dpt_world_def *def)
 {
@@ -77,16 +84,18 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     view->segment = segment;
     view->body = body;
     view->is_ball = tick->proxy->shape == PROXY_BALL;
+    view->is_listed = view->is_ball || body->static_friction > 0.0;
     view->near = (view->is_ball ? NEAR : NEAR_LINE) * tick->clearance;
     view->most = view->is_ball ? PATCH_TRIANGLES_MAX : PATCH_BESIDE_LINE_MAX;
     view->a = view->u = (vec3){ 0.0, 0.0, 0.0 };
-    view->reach = 0.0;
+    view->reach = view->covered = view->wished = 0.0;
+    view->room = HUGE_VAL;
     view->count = 0;
     return 1;
 }
 
-/* All leaves within reach of the axis. 0: there is no room for them, or the work is spent. */
-static int fill(struct dpt_world *world, const struct patch_view *view, double reach)
+/* All leaves within reach of the axis, at most so many. 0: there are more, or the work is spent. */
+static int fill(struct dpt_world *world, const struct patch_view *view, double reach, uint32_t most)
 {
     struct proxy_patch *patch = view->patch;
     const struct surface *surface = &view->body->surface;
@@ -96,7 +105,7 @@ static int fill(struct dpt_world *world, const struct patch_view *view, double r
     patch->reach = 0.0;
     dpti_range_begin(&range, surface, &world->kernel, view->a, view->u, reach, &world->work);
     while ((leaf = dpti_range_next_leaf(&range)) != DPT_NONE) {
-        if (patch->count == PATCH_LEAVES)
+        if (patch->count == most)
             return 0;
         const float *rows = surface_node(surface, 1, leaf / LANES, &world->work);
         float *box = patch->box[patch->count / LANES];
@@ -128,7 +137,7 @@ static int cover(struct dpt_world *world, const struct patch_view *view, double 
     double spare = patch->spare > 0.0 ? min_of(SPARE_MOST, 1.5 * patch->spare) : SPARE_MOST;
     for (; spare >= SPARE_LEAST; spare *= 0.5) {
         patch->spare = spare;
-        if (fill(world, view, need + spare * reach))
+        if (fill(world, view, need + spare * reach, spare > SPARE_SMALL ? LANES : PATCH_LEAVES))
             return 1;
         if (work_is_spent(&world->work))
             return 0;
@@ -202,16 +211,17 @@ static double distance_of_bound(const struct reach_filter *filter, float bound)
     return far > 0.0 ? far / filter->scale : 0.0;
 }
 
-/* Add the triangles of a leaf that may be within reach. 0: there is no room. */
-static int list_leaf(struct dpt_world *world, struct patch_view *view, const struct reach_filter *filter, uint32_t leaf)
+/* Add the triangles of a leaf of the patch that may be within reach. 0: there is no room. */
+static int list_leaf(struct dpt_world *world, struct patch_view *view, const struct reach_filter *filter, uint32_t at)
 {
     const struct surface *surface = &view->body->surface;
-    const uint32_t first = leaf * LANES;
+    const uint32_t leaf = view->patch->leaf[at], first = leaf * LANES;
     struct planes planes;
     float bound[LANES];
     work_spend(&world->work, 1);
     uint32_t lanes = lanes_of(surface_triangles(surface) - first) &
                      triangles_within(filter, surface_leaf(surface, leaf, &world->work), &planes, bound);
+    view->listed[at] = lanes;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = first_lane(lanes);
         if (view->count == view->most)
@@ -227,24 +237,42 @@ static int list_leaf(struct dpt_world *world, struct patch_view *view, const str
     return 1;
 }
 
-/* List the triangles with a gap up to `reach`. */
-static int list_all(struct dpt_world *world, struct patch_view *view, double reach)
+/* List the triangles of the patch with a gap up to `within`. 0: there is no room. */
+static int list_all(struct dpt_world *world, struct patch_view *view, double within)
 {
-    const double need = view->segment->radius + reach;
+    const double radius = view->segment->radius;
+    const struct proxy_patch *patch = view->patch;
     struct reach_filter filter;
     view->count = 0;
-    if (!is_alone(world, view, need) || !cover(world, view, need, reach))
-        return 0;
-    const struct proxy_patch *patch = view->patch;
-    reach_filter_set(&filter, world, view, need);
+    memset(view->listed, 0, patch->count * sizeof *view->listed);
+    reach_filter_set(&filter, world, view, radius + within);
     for (uint32_t from = 0; from < patch->count; from += LANES) {
         work_spend(&world->work, 1);
         uint32_t leaves = lanes_of(patch->count - from) & boxes_within(&filter, patch->box[from / LANES]);
         for (; leaves; leaves &= leaves - 1)
-            if (!list_leaf(world, view, &filter, patch->leaf[from + first_lane(leaves)]))
+            if (!list_leaf(world, view, &filter, from + first_lane(leaves)))
                 return 0;
     }
-    view->reach = reach;
+    view->reach = within;
+    view->covered = view->is_listed ? within : patch->reach - off_centre(view) - radius;
+    return 1;
+}
+
+/* Patch and list anew, for gaps up to `reach`, or to less where there is no room. 0: there is none for those near. */
+static int look_anew(struct proxy_tick *tick, struct patch_view *view, double reach)
+{
+    struct dpt_world *world = tick->world;
+    const double radius = view->segment->radius, least = 2.0 * view->near;
+    view->wished = max_of(view->wished, reach);
+    if (!is_alone(world, view, radius + reach))
+        return 0;
+    for (reach = min_of(reach, view->room); !cover(world, view, radius + reach, reach); view->room = reach *= 0.5)
+        if (reach < least || work_is_spent(&world->work))
+            return 0;
+    double within = view->is_listed ? reach : min_of(view->wished, LISTED_LINE * tick->clearance);
+    for (; !list_all(world, view, within); within *= 0.5)
+        if (within < least || (view->is_listed && !view->is_ball))
+            return 0;
     return 1;
 }
 
@@ -305,6 +333,7 @@ struct patch_way dpti_patch_way(const struct patch_view *view, vec3 to_a, vec3 t
 static void weaken(struct patch_view *view, double moved)
 {
     view->reach -= moved;
+    view->covered -= moved;
     for (uint32_t i = 0; i < view->count; i++) {
         struct patch_triangle *triangle = &view->list[i];
         triangle->gap -= moved;
@@ -331,18 +360,17 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
 {
     struct dpt_world *world = tick->world;
     const double near = view->near;
-    if (work_left(&world->work) < LOOK_WORK)
+    if (work_left(&world->work) < PATCH_WORK)
         return 0;
     const double moved = place_axis(tick, view);
-    if (!view->count || view->reach - moved < reach) {
-        double within = reach;
-        for (; !list_all(world, view, within); within *= 0.5)
-            if (view->count < view->most || within < 2.0 * near || !view->is_ball) {
-                view->patch->crowded = CROWDED_MOTIONS;
-                view->patch->body_id = view->body->id;
-                dpti_patch_leave(view);
-                return 0;
-            }
+    if (!view->count || view->reach - moved < (view->is_listed ? reach : near) ||
+        view->covered - moved < min_of(reach, view->room)) {
+        if (!look_anew(tick, view, reach)) {
+            view->patch->crowded = CROWDED_MOTIONS;
+            view->patch->body_id = view->body->id;
+            dpti_patch_leave(view);
+            return 0;
+        }
     } else if (moved > 0.0) {
         weaken(view, moved);
     }
@@ -359,6 +387,48 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
             view->nearest = i;
     }
     tick->gap = view->nearest == PATCH_TRIANGLES_MAX ? near : view->list[view->nearest].gap;
+    return 1;
+}
+
+/* Add a triangle of the patch that is not listed. 0: there is no room. */
+static int list_one(struct patch_view *view, uint32_t at, uint32_t lane)
+{
+    if (view->count == PATCH_TRIANGLES_MAX)
+        return 0;
+    view->listed[at] |= 1u << lane;
+    view->list[view->count++] = (struct patch_triangle){ .gap = view->reach,
+                                                         .height = HUGE_VAL,
+                                                         .triangle = view->patch->leaf[at] * LANES + lane,
+                                                         .has_face = 1 };
+    return 1;
+}
+
+int dpti_patch_list_met(struct dpt_world *world, struct patch_view *view, const struct sweep *sweep)
+{
+    static const struct surface_times still = { .tick = 0 };
+    const struct surface *surface = &view->body->surface;
+    const struct proxy_patch *patch = view->patch;
+    struct sweep_progress progress = { .until = 1.0 };
+    struct mesh_sweep search = { .surface = surface,
+                                 .kernel = &world->kernel,
+                                 .sweep = sweep,
+                                 .times = &still,
+                                 .work = &world->work,
+                                 .progress = &progress };
+    dpti_sweep_aim(&search);
+    for (uint32_t from = 0; from < patch->count; from += LANES) {
+        work_spend(&world->work, 1);
+        uint32_t leaves = lanes_of(patch->count - from) & dpti_sweep_open_boxes(&search, patch->box[from / LANES]);
+        for (; leaves; leaves &= leaves - 1) {
+            const uint32_t at = from + first_lane(leaves), leaf = patch->leaf[at];
+            work_spend(&world->work, 1);
+            uint32_t lanes = dpti_sweep_open_triangles(&search, surface_leaf(surface, leaf, &world->work));
+            for (lanes &= lanes_of(surface_triangles(surface) - leaf * LANES) & ~view->listed[at]; lanes;
+                 lanes &= lanes - 1)
+                if (!list_one(view, at, first_lane(lanes)))
+                    return 0;
+        }
+    }
     return 1;
 }
 

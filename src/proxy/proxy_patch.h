@@ -7,8 +7,9 @@
 #define DPT_PROXY_PATCH_H
 
 #include "proxy/proxy_tick.h"
+#include "sweep/sweep_triangle.h"
 
-enum { PATCH_BLOCKS = 1, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
+enum { PATCH_BLOCKS = 4, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
 
 /* The leaves, with their boxes as children of a node of their own. Kept from tick to tick; one a segment. */
 struct proxy_patch {
@@ -43,15 +44,23 @@ struct patch_view {
     struct segment *segment;
     const struct body *body;
     int is_ball;
+    int is_listed;         /* motions stay within the list: beside a ball, and of a line with friction */
     uint32_t most;         /* triangles in the list */
     vec3 world_a, world_b; /* the axis at tick->at */
     vec3 a, u;             /* in the body's frame */
     double near;           /* m: the nearest pair is looked for up to that gap */
     double reach;          /* m: no triangle outside of the list has a gap below that */
+    double covered;        /* m: the same of triangles outside of the patch */
+    double wished;         /* m: the longest reach that was asked for in this tick */
+    double room;           /* m: a longer reach had no room in the patch in this tick */
     uint32_t count;
-    uint32_t nearest; /* in the list; PATCH_TRIANGLES_MAX: none that near */
+    uint32_t nearest;              /* in the list; PATCH_TRIANGLES_MAX: none that near */
+    uint32_t listed[PATCH_LEAVES]; /* of each leaf, the lanes that are in the list */
     struct patch_triangle list[PATCH_TRIANGLES_MAX];
 };
+
+/* Units of work that a look or a proof may take, so that it is not begun with less. */
+enum { PATCH_WORK = 512 };
 
 /* Its share of dpt_world_bytes. */
 uint64_t dpti_patch_bytes(const dpt_world_def *def);
@@ -64,10 +73,16 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
 
 /*
  * The triangles round tick->at, those with a gap up to `reach` m, or to less where there are too many; none has a
- * constraint. tick->gap becomes the nearest one's, or what is proven of it. Returns 0 if they have no room, or the work
- * does not suffice.
+ * constraint. Beside a line the list may have less than the patch, which has all up to view->covered. tick->gap becomes
+ * the nearest one's, or what is proven of it. Returns 0 if they have no room, or the work does not suffice.
  */
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach);
+
+/*
+ * Beside a line: list what a motion may meet beyond the list's reach, and within the patch. Returns 0 if there is no
+ * room.
+ */
+int dpti_patch_list_met(struct dpt_world *world, struct patch_view *view, const struct sweep *sweep);
 
 /* Find a triangle's nearest pair with the view's axis, and the plane across it. */
 void dpti_patch_find(struct dpt_world *world, const struct patch_view *view, struct patch_triangle *triangle);

@@ -41,6 +41,21 @@ struct proxy_pose dpti_solved_pose(const struct proxy_tick *tick, const double *
     return dpti_proxy_moved(tick->proxy, &tick->at, &motion);
 }
 
+/* m: no point of the tool is farther from where it was at a pose. Of tips it is not known. */
+static double farthest_to(const struct proxy_tick *tick, const struct proxy_pose *to)
+{
+    double farthest = 0.0;
+    if (tick->tool->tip_count)
+        return HUGE_VAL;
+    for (uint32_t i = 0; i < tick->tool->segment_count; i++) {
+        const struct segment *segment = &tick->world->segments[tick->tool->first_segment + i];
+        const vec3 a = sub(frame_to_world(&to->frame, segment->a), frame_to_world(&tick->at.frame, segment->a));
+        const vec3 b = sub(frame_to_world(&to->frame, segment->b), frame_to_world(&tick->at.frame, segment->b));
+        farthest = max_of(farthest, max_of(dot(a, a), dot(b, b)));
+    }
+    return sqrt(farthest);
+}
+
 struct proxy_pose dpti_solved_correct(struct proxy_tick *tick, const double *wanted, const double *straight,
                                       double longest, double *share)
 {
@@ -49,7 +64,10 @@ struct proxy_pose dpti_solved_correct(struct proxy_tick *tick, const double *wan
         int is_low = 0;
         *share = share_allowed(tick, longest);
         to = dpti_solved_pose(tick, straight, *share);
+        const double far = farthest_to(tick, &to);
         for (uint32_t i = 0; i < tick->space_count && k < CORRECTIONS_MAX; i++) {
+            if (tick->sources[i].gap - far >= PROXY_GAP_KEPT * tick->clearance)
+                continue;
             const double gap = dpti_proxy_gap_of(tick, i, &to);
             if (gap >= PROXY_GAP_KEPT * tick->clearance)
                 continue;

@@ -172,6 +172,28 @@ static uint32_t open_triangles(const struct mesh_sweep *search, const float *row
     return open ? open & search->kernel->swept_triangles(rows, &search->hull, bound) : 0;
 }
 
+void dpti_sweep_aim(struct mesh_sweep *search)
+{
+    set_hull(search);
+}
+
+uint32_t dpti_sweep_open_boxes(const struct mesh_sweep *search, const float *rows)
+{
+    uint32_t open = lanes_of(LANES);
+    float bound[LANES];
+    for (uint32_t i = 0; i < search->first_plane_count && open; i++) {
+        const struct first_plane *plane = &search->first_planes[i];
+        open &= search->kernel->common_boxes(rows, plane->normal, plane->limit, bound);
+    }
+    return open ? open & search->kernel->swept_boxes(rows, &search->hull, bound) : 0;
+}
+
+uint32_t dpti_sweep_open_triangles(const struct mesh_sweep *search, const float *rows)
+{
+    float bound[LANES];
+    return open_triangles(search, rows, bound);
+}
+
 /* Put a node on the path and test its children. Level 0: a leaf, whose children are triangles. */
 static void open_node(struct mesh_sweep *search, uint32_t level, uint32_t node)
 {

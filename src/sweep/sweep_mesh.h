@@ -78,6 +78,14 @@ struct mesh_sweep {
 int dpti_sweep_mesh(struct mesh_sweep *search, uint32_t hint, struct impact *first);
 
 /*
+ * The bounds alone, for a caller with blocks of its own. Aim: the hull and the planes of the motion from `from` to
+ * progress->until. Then, of a block of boxes or a leaf's triangles, the lanes that may be touched.
+ */
+void dpti_sweep_aim(struct mesh_sweep *search);
+uint32_t dpti_sweep_open_boxes(const struct mesh_sweep *search, const float *rows);
+uint32_t dpti_sweep_open_triangles(const struct mesh_sweep *search, const float *rows);
+
+/*
  * Whether a motion may touch the surface at all: by bounds, and of a few triangles that these leave in doubt by
  * dpti_sweep_may_touch_triangle. Much cheaper than the first touch where something is near. The progress is for this
  * motion alone.

@@ -13,7 +13,7 @@
  *
  *     proxy_ticks [MESH=liver [TOOL [MOTION [TICKS=20000 [FRICTION=0 [REPEATS=3]]]]]]
  *
- * TOOL and MOTION "": all. proxy_ticks.sh runs two builds in turns.
+ * MESH is liver, torus, star, or veins and stomach from the folder DPT_DATA. TOOL and MOTION "": all. proxy_ticks.sh runs two builds in turns.
  */
 #define _GNU_SOURCE
 #include <stdio.h>
@@ -40,7 +40,23 @@ enum { SETTLED = 100, STAY = 500 };
 static const struct {
     const char *name;
     uint64_t triangles;
-} meshes[] = { { "liver", 50332 }, { "torus", 61358 }, { "star", 20480 } };
+    const char *file; /* below the folder DPT_DATA, in mm; NULL: a shape */
+} meshes[] = { { "liver", 50332, NULL },
+               { "torus", 61358, NULL },
+               { "star", 20480, NULL },
+               { "veins", 14600, "meshes/organs/hepatic_veins_sks.obj" },
+               { "stomach", 9724, "meshes/organs/openhelp_stomach.stl" } };
+
+/* A mesh of the list. */
+static int open_mesh(struct solid *solid, size_t mesh)
+{
+    const char *data = getenv("DPT_DATA");
+    char path[1024];
+    if (!meshes[mesh].file)
+        return solid_from_shape(solid, meshes[mesh].name, meshes[mesh].triangles);
+    snprintf(path, sizeof path, "%s/%s", data ? data : ".", meshes[mesh].file);
+    return solid_from_file(solid, meshes[mesh].name, path, 1e-3);
+}
 
 struct hand {
     const struct solid *solid;
@@ -77,7 +93,7 @@ static void go_on(struct hand *hand)
     memcpy(hand->out, hand->next_out, sizeof hand->out);
     do
         find_place(hand, hand->next, hand->next_out);
-    while (apart(hand->at, hand->next) > HOP);
+    while (apart(hand->at, hand->next) > HOP || apart(hand->at, hand->next) == 0.0);
     hand->way = apart(hand->at, hand->next);
     hand->gone = 0;
 }
@@ -167,14 +183,15 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
     return sum;
 }
 
-static void measure(const char *name, uint64_t triangles, int tool, int motion, int ticks, double friction, int repeats)
+static void measure(size_t mesh, int tool, int motion, int ticks, double friction, int repeats)
 {
+    const char *name = meshes[mesh].name;
     struct solid solid;
     double best[3] = { INFINITY, INFINITY, INFINITY }, sum = 0;
     double *took = malloc((size_t)ticks * sizeof *took);
-    if (!took || !solid_from_shape(&solid, name, triangles))
+    if (!took || !open_mesh(&solid, mesh))
         fail(name);
-    for (int i = 0; i < (repeats); i++) {
+    for (int i = 0; i < repeats; i++) {
         sum = run(&solid, tool, motion, ticks, friction, took);
         qsort(took, (size_t)ticks, sizeof *took, by_size);
         best[0] = fmin(best[0], took[ticks / 2]);
@@ -201,6 +218,6 @@ int main(int argc, char **argv)
         for (int t = 0; t < TOOLS && !strcmp(mesh, meshes[m].name); t++)
             for (int k = 0; k < MOTIONS; k++)
                 if ((!*tool || !strcmp(tool, tool_names[t])) && (!*motion || !strcmp(motion, hand_motions[k])))
-                    measure(meshes[m].name, meshes[m].triangles, t, k, ticks, friction, repeats);
+                    measure(m, t, k, ticks, friction, repeats);
     return 0;
 }

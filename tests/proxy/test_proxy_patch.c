@@ -141,6 +141,15 @@ static void tick_at_proxy(const struct rig *rig, struct proxy_tick *tick)
     dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
 }
 
+/* Of a triangle in the list, which grows as motions need; NULL: it is not there. */
+static const struct patch_triangle *listed_as(const struct patch_view *view, uint32_t triangle)
+{
+    for (uint32_t i = 0; i < view->count; i++)
+        if (view->list[i].triangle == triangle)
+            return &view->list[i];
+    return NULL;
+}
+
 /*
  * Every triangle within the view's reach is in its list, with a bound of its gap that is true; and the nearest is
  * found.
@@ -151,25 +160,22 @@ static void judge_view(const struct proxy_tick *tick, const struct patch_view *v
     const double rounding = 1e-12;
     double least = HUGE_VAL;
     all.lists++;
-    for (uint32_t t = 0, at = 0; t < surface_triangles(surface); t++) {
+    for (uint32_t t = 0; t < surface_triangles(surface); t++) {
         const double gap = sqrt(dpti_triangle_pair(surface, t, view->a, view->u).distance2) - view->segment->radius;
+        const struct patch_triangle *listed = listed_as(view, t);
         least = fmin(least, gap);
-        while (at + 1 < view->count && view->list[at].triangle < t)
-            at++;
-        const int is_listed = view->count && view->list[at].triangle == t;
-        all.listed += (uint64_t)is_listed;
-        CHECK(is_listed || gap > view->reach - rounding, "%s: triangle %u at %g is not in the list of %g", name, t, gap,
+        all.listed += listed != NULL;
+        CHECK(listed || gap > view->reach - rounding, "%s: triangle %u at %g is not in the list of %g", name, t, gap,
               view->reach);
-        CHECK(!is_listed || view->list[at].gap <= gap + rounding, "%s: triangle %u at %g, not %g", name, t, gap,
-              view->list[at].gap);
+        CHECK(!listed || listed->gap <= gap + rounding, "%s: triangle %u at %g, not %g", name, t, gap, listed->gap);
     }
     CHECK(fabs(fmin(least, view->near) - tick->gap) < rounding, "%s: a gap of %g, not %g", name, least, tick->gap);
 }
 
-enum { PLACES = 9 };
+enum { PLACES = 5 };
 
 /*
- * Of a motion that is proven: the axis, its ends on straight lines, is nowhere as near to a triangle as the least gap.
+ * Of a motion that is proven: the axis, its ends on straight lines, is never as near to a triangle as the least gap.
  */
 static void judge_motion(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
                          const char *name)
@@ -188,8 +194,33 @@ static void judge_motion(const struct proxy_tick *tick, const struct patch_view 
     }
 }
 
-/* Any motion of the proxy up to a length, as far as the nearest triangle lets it; judged if it is proven. */
-static void try_motion(struct proxy_tick *tick, struct patch_view *view, double size, uint64_t *seed, const char *name)
+/* The same between these times: a sweep past each triangle by itself meets nothing. */
+static void judge_sweep(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
+                        const char *name)
+{
+    const struct surface *surface = &view->body->surface;
+    const vec3 to_a = frame_to_local(&view->body->frame, frame_to_world(&to->frame, view->segment->a));
+    const vec3 to_b = frame_to_local(&view->body->frame, frame_to_world(&to->frame, view->segment->b));
+    const vec3 b = add(view->a, view->u);
+    const struct motion motion = { view->a, b, sub(to_a, view->a), sub(to_b, b) };
+    struct sweep sweep;
+    dpti_sweep_begin(&sweep, &motion, view->segment->radius + tick->min_gap, 0.0, dpti_surface_extent(surface));
+    for (uint32_t t = 0; t < surface_triangles(surface); t++) {
+        struct moving_triangle triangle = { .is_moving = 0 };
+        uint32_t evaluations = 0;
+        double met = 1.0;
+        surface_corners(surface, t, triangle.corner);
+        CHECK(dpti_sweep_triangle(&sweep, &triangle, 1.0, &met, &evaluations) == SWEEP_FREE,
+              "%s: a proven motion meets triangle %u at %g", name, t, met);
+    }
+}
+
+/*
+ * Any motion of the proxy up to a length, as far as the nearest triangle lets it, or through everything; judged if it is
+ * proven.
+ */
+static void try_motion(struct proxy_tick *tick, struct patch_view *view, double size, int is_held, uint64_t *seed,
+                       const char *name)
 {
     const uint32_t n = proxy_unknowns(tick->proxy);
     const vec3 none = { 0.0, 0.0, 0.0 };
@@ -200,6 +231,11 @@ static void try_motion(struct proxy_tick *tick, struct patch_view *view, double 
     if (!dpti_patch_look(tick, view, 4.0 * size) || view->nearest == PATCH_TRIANGLES_MAX ||
         !dpti_patch_hold(tick, view, view->nearest, 4.0 * size, none) || !dpti_proxy_solve_rubbing(tick, wanted))
         return;
+    if (!is_held) {
+        memcpy(tick->solved.y, wanted, sizeof wanted);
+        tick->solved.active_count = tick->space_count = tick->triangle_count = 0;
+        view->list[view->nearest].is_held = 0;
+    }
     const struct proxy_pose to = dpti_solved_pose(tick, tick->solved.y, 1.0);
     if (dpti_patch_prove(tick, view, &to, 4.0 * size, &met) != PATCH_FREE) {
         all.refused++;
@@ -207,6 +243,7 @@ static void try_motion(struct proxy_tick *tick, struct patch_view *view, double 
     }
     all.proven++;
     judge_motion(tick, view, &to, name);
+    judge_sweep(tick, view, &to, name);
     tick->at = to;
     if (dpti_patch_look(tick, view, size))
         judge_view(tick, view, name);
@@ -215,7 +252,7 @@ static void try_motion(struct proxy_tick *tick, struct patch_view *view, double 
 /* From where the proxy is, without a change of the world but of its patch. */
 static void judge(const struct rig *rig, uint64_t *seed, const char *name)
 {
-    const double size = 1e-5 * pow(10, random_in(seed, 0, 1.5));
+    const double size = 1e-5 * pow(10, random_in(seed, 0, 2.7));
     const struct proxy before = *rig->world->proxies;
     struct proxy_tick tick;
     struct patch_view view;
@@ -223,7 +260,11 @@ static void judge(const struct rig *rig, uint64_t *seed, const char *name)
     if (!dpti_patch_begin(&tick, &view) || !dpti_patch_look(&tick, &view, 4.0 * size))
         return;
     judge_view(&tick, &view, name);
-    try_motion(&tick, &view, size, seed, name);
+    try_motion(&tick, &view, size, 1, seed, name);
+    *rig->world->proxies = before;
+    tick_at_proxy(rig, &tick);
+    if (dpti_patch_begin(&tick, &view) && dpti_patch_look(&tick, &view, 4.0 * size))
+        try_motion(&tick, &view, size, 0, seed, name);
     *rig->world->proxies = before;
 }
 
