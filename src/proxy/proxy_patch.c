@@ -145,15 +145,15 @@ static int cover(struct dpt_world *world, const struct patch_view *view, double 
     return 0;
 }
 
-/* Whether no other body is within `need` of the axis. */
-static int is_alone(const struct dpt_world *world, const struct patch_view *view, double need)
+/* m: no other body is nearer to the axis. */
+static double far_of_others(const struct dpt_world *world, const struct patch_view *view)
 {
     const struct box box = box_of_axis(view->world_a, view->world_b);
+    double far = HUGE_VAL;
     for (uint32_t i = 0; i < world->body_slot_end; i++)
-        if (body_is_there(&world->bodies[i]) && &world->bodies[i] != view->body &&
-            box_distance(&box, &world->boxes[i]) <= need)
-            return 0;
-    return 1;
+        if (body_is_there(&world->bodies[i]) && &world->bodies[i] != view->body)
+            far = min_of(far, box_distance(&box, &world->boxes[i]));
+    return far;
 }
 
 /* An axis as the kernels want it, and how far. Points have loops of their own, with squared bounds. */
@@ -237,8 +237,8 @@ static int list_leaf(struct dpt_world *world, struct patch_view *view, const str
     return 1;
 }
 
-/* List the triangles of the patch with a gap up to `within`. 0: there is no room. */
-static int list_all(struct dpt_world *world, struct patch_view *view, double within)
+/* List the triangles of the patch with a gap up to `within`; other bodies are so far. 0: there is no room. */
+static int list_all(struct dpt_world *world, struct patch_view *view, double within, double others)
 {
     const double radius = view->segment->radius;
     const struct proxy_patch *patch = view->patch;
@@ -254,7 +254,7 @@ static int list_all(struct dpt_world *world, struct patch_view *view, double wit
                 return 0;
     }
     view->reach = within;
-    view->covered = view->is_listed ? within : patch->reach - off_centre(view) - radius;
+    view->covered = view->is_listed ? within : min_of(patch->reach - off_centre(view), others) - radius;
     return 1;
 }
 
@@ -262,15 +262,15 @@ static int list_all(struct dpt_world *world, struct patch_view *view, double wit
 static int look_anew(struct proxy_tick *tick, struct patch_view *view, double reach)
 {
     struct dpt_world *world = tick->world;
-    const double radius = view->segment->radius, least = 2.0 * view->near;
+    const double radius = view->segment->radius, least = 2.0 * view->near, others = far_of_others(world, view);
     view->wished = max_of(view->wished, reach);
-    if (!is_alone(world, view, radius + reach))
+    if (others <= radius + reach)
         return 0;
     for (reach = min_of(reach, view->room); !cover(world, view, radius + reach, reach); view->room = reach *= 0.5)
         if (reach < least || work_is_spent(&world->work))
             return 0;
     double within = view->is_listed ? reach : min_of(view->wished, LISTED_LINE * tick->clearance);
-    for (; !list_all(world, view, within); within *= 0.5)
+    for (; !list_all(world, view, within, others); within *= 0.5)
         if (within < least || (view->is_listed && !view->is_ball))
             return 0;
     return 1;

@@ -50,7 +50,7 @@ struct patch_view {
     vec3 a, u;             /* in the body's frame */
     double near;           /* m: the nearest pair is looked for up to that gap */
     double reach;          /* m: no triangle outside of the list has a gap below that */
-    double covered;        /* m: the same of triangles outside of the patch */
+    double covered;        /* m: the same of triangles outside of the patch, and of other bodies */
     double wished;         /* m: the longest reach that was asked for in this tick */
     double room;           /* m: a longer reach had no room in the patch in this tick */
     uint32_t count;

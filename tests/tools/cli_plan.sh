@@ -240,7 +240,7 @@ J
 sweeps()
 {
     check 'slides are swept at once' json torus.json 'p["setting"]["sweep_budget"] == 0'
-    check "and why: $(grep sweep_budget torus.txt)" grep -q '^  sweep_budget  *none  *[0-9]*: ' torus.txt
+    check "and why: $(grep sweep_budget torus.txt)" grep -q '^  sweep_budget  *none  *\([0-9]*: .*\|-\)$' torus.txt
     awk 'function row(z, off) {
             printf "%d,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", tick++, x + off - 0.005 * side, -0.05, z,
                 x + off + 0.005 * side, 0.05, z
@@ -271,8 +271,23 @@ sweeps()
 import json
 waits, unlimited = json.load(open("waits.out")), json.load(open("stdout"))
 assert unlimited["force_error"] == 0 and waits["work"] <= 0.9 * unlimited["work"]' 2>python.log
-    sed "s/\"sweep_budget\": $units/\"sweep_budget\": 10/" flights.json >few.json
-    breaks 'too few' force --plan few.json
+    # Where the tool strikes in the tick of its flight, a sweep that has to wait is felt.
+    sed "s/\"sweep_budget\": $units/\"sweep_budget\": 1/" flights.json >few.json
+    awk 'function row(z, off) {
+            printf "%d,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", tick++, x + off - 0.005 * side, -0.05, z,
+                x + off + 0.005 * side, 0.05, z
+        }
+        BEGIN {
+            print "tick,ax,ay,az,bx,by,bz"
+            for (side = 1; tick < 3000; side = -side) {
+                x = 0.1 * side
+                row(0.06)
+                for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
+                row(0.06)
+            }
+        }' </dev/null >strikes.csv
+    holds 'strikes' --plan flights.json strikes.csv
+    breaks 'too few' force --plan few.json strikes.csv
     edited '"sweep_budget": 0' '"sweep_budget": -1'
     refuses 'no units' 'edited.json: setting.sweep_budget: must be 0 to 4294967295; it is -1' replay --plan edited.json
     sed 's/"sweep_budget": [0-9]*, //' torus.json >older.json

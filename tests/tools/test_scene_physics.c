@@ -3,15 +3,23 @@
  * Physics of soft bodies apart from the haptic loop: by the loop's time, to the bit in every run; and in a thread, which
  * stands still with the loop, ends in order, and holds a body that it cannot step in every tick.
  */
+#define _POSIX_C_SOURCE 200809L
 #include "host/scene_physics.h"
 
-#include "cli/open_device.h"
+#include <time.h>
+
 #include "clock.h"
 #include "lib/check.h"
 #include "lib/soft_scene.h"
 
 enum { TICKS = 1000, TICKS_ASLEEP_MOST = 20000 };
 #define LOOP_RATE 1000.0
+
+static void nap(double seconds)
+{
+    const struct timespec time = { (time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds)) };
+    nanosleep(&time, NULL);
+}
 
 struct soft {
     struct soft_scene scene;
@@ -123,7 +131,7 @@ static dpt_result tick_for(struct soft *soft, double seconds)
     const uint64_t end = clock_now() + (uint64_t)(1e9 * seconds);
     while (result == DPT_OK && clock_now() < end) {
         result = tick(soft, SOFT_TICK);
-        sleep_seconds(SOFT_TICK);
+        nap(SOFT_TICK);
     }
     return result;
 }
@@ -134,13 +142,13 @@ static void thread_stands_still_with_the_loop(void)
     if (open_soft(&soft, "laparoscopy", 500.0)) {
         const uint64_t began = clock_now();
         CHECK(scene_physics_start(soft.physics, LOOP_RATE) == DPT_OK, "no thread");
-        sleep_seconds(0.05);
+        nap(0.05);
         CHECK(steps_of(&soft) == 0, "it began before the loop");
         soft_scene_press(&soft.scene, 0.01);
         CHECK(tick_for(&soft, 0.4) == DPT_OK, "a tick failed");
-        sleep_seconds(0.5);
+        nap(0.5);
         const uint64_t stood = steps_of(&soft);
-        sleep_seconds(0.2);
+        nap(0.2);
         CHECK(stood > 0 && steps_of(&soft) == stood, "%d steps without a tick", (int)(steps_of(&soft) - stood));
         CHECK(tick_for(&soft, 0.4) == DPT_OK, "a tick failed");
         CHECK(steps_of(&soft) > stood, "it did not go on");
@@ -170,7 +178,7 @@ static void errors_hold(void)
                 scene_bodies_begin_tick(bodies, (uint64_t)i);
                 CHECK(tick(&soft, SOFT_TICK) == DPT_OK, "tick %d failed", i);
                 if (has_thread)
-                    sleep_seconds(SOFT_TICK);
+                    nap(SOFT_TICK);
             }
             CHECK(bodies->held == 1 && bodies->body[0].held_why == DPT_E_UNSTABLE, "held on %d ticks: %s",
                   (int)bodies->held, dpt_result_name(bodies->body[0].held_why));

@@ -8,6 +8,7 @@
 #include <dynpoint/compile.h>
 #include <dynpoint/convex.h>
 #include <dynpoint/driver.h>
+#include <dynpoint/host.h>
 #include <dynpoint/identify.h>
 #include <dynpoint/loop.h>
 #include <dynpoint/recorder.h>
