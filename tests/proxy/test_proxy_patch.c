@@ -441,6 +441,57 @@ static void all_kernels_give_the_same_bits(void)
     }
 }
 
+/* m: the proxy's gap to a body that is not turned, by a question of its own. */
+static double gap_to(const struct rig *rig, const dpt_mesh *mesh, const dpt_pose *pose)
+{
+    double ends[6];
+    const double radius = rig->segments[0].radius;
+    dpt_hit hit = DPT_HIT_INIT;
+    rig_proxy_ends(rig, 0, ends);
+    for (int k = 0; k < 6; k++)
+        ends[k] -= pose->position[k % 3];
+    CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, NULL) == DPT_OK, "query");
+    return hit.distance - radius;
+}
+
+/* Between two bodies a hand goes across from one to the other, faster than the tool is thick: it passes neither. */
+static void another_body_is_not_passed(void)
+{
+    static const dpt_segment needle = { { 0, 0, -0.015 }, { 0, 0, 0.015 }, 1e-3 };
+    uint64_t seed = 5;
+    struct fixture ball;
+    struct rig rig;
+    uint32_t held = 0, passed = 0;
+    if (!fixture_from_shape(&ball, "sphere", 2000))
+        return;
+    for (int slot = 0; slot < 3; slot++) {
+        const double wide = 1e-3 * (slot + 1);
+        dpt_mesh_info info = { .size = sizeof info };
+        dpt_pose other = DPT_POSE_IDENTITY;
+        dpt_mesh_get_info(ball.mesh, &info);
+        const double size = info.box_max[0] - info.box_min[0], middle = 0.5 * (info.box_max[0] + info.box_min[0]);
+        other.position[0] = size + 2e-3 + wide;
+        const double between = middle + 0.5 * size + 1e-3 + 0.5 * wide;
+        if (!rig_open(&rig, NULL, ball.mesh, &needle, 1) || !rig_add_body(&rig, ball.mesh, &other))
+            continue;
+        rig.device.position[0] = between;
+        rig_place(&rig);
+        for (unsigned long tick = 0; tick < ticks_wanted; tick++) {
+            const double to = random_in(&seed, -0.006, 0.006), lean = random_in(&seed, -0.03, 0.03);
+            rig.device.position[0] = between + to;
+            pose_orient(&rig.device, (const double[3]){ 0, 1, 0 }, lean);
+            rig_step(&rig);
+            const dpt_pose here = DPT_POSE_IDENTITY;
+            held += rig.force.reason == DPT_FORCE_ACTS;
+            passed += gap_to(&rig, ball.mesh, &here) < 0.0 || gap_to(&rig, ball.mesh, &other) < 0.0 ||
+                      rig.proxy.position[0] < middle || rig.proxy.position[0] > middle + other.position[0];
+        }
+        rig_close(&rig);
+    }
+    fixture_free(&ball);
+    CHECK(passed == 0 && held > ticks_wanted, "%u of %u held ticks: it is in one of them, or beyond", passed, held);
+}
+
 int main(int argc, char **argv)
 {
     uint64_t seed = 0;
@@ -448,5 +499,6 @@ int main(int argc, char **argv)
     TEST(patches_are_complete_and_prove);
     TEST(patches_make_no_difference);
     TEST(all_kernels_give_the_same_bits);
+    TEST(another_body_is_not_passed);
     return check_report();
 }
