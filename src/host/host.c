@@ -11,6 +11,7 @@
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "host/host_error.h"
+#include "host/host_file.h"
 #include "host/host_session.h"
 #include "host/scene_record.h"
 #include "loop_line.h"
@@ -210,8 +211,10 @@ static dpt_result open_recording(dpt_host *host, const dpt_host_def *def, const 
 {
     const struct scene *scene = &host->session.scene;
     const int waits = (scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC) != 0;
-    if (scene_def_has_file(&host->scene, def->record) || (def->identified && !strcmp(def->identified, def->record)))
-        return host_refuse(error, DPT_E_ARGUMENT, "%s: it is read here, so no recording may be written there", def->record);
+    if (scene_def_has_file(&host->scene, def->record) || host_file_is_same(def->identified, def->record) ||
+        (device && host_file_is_of_device(def->record, device)))
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: it is read here, so no recording may be written there",
+                           def->record);
     struct scene_text *text = malloc(sizeof *text);
     if (!text)
         return host_refuse(error, DPT_E_MEMORY, "memory ran out");

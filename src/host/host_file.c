@@ -2,13 +2,46 @@
 #define _POSIX_C_SOURCE 200809L
 #include "host/host_file.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-enum { FIRST_ROOM = 1 << 16 };
+enum { FIRST_ROOM = 1 << 16, PIECE_BYTES = 4096 };
+
+int host_file_ends_in(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), count = strlen(ending);
+    if (length <= count)
+        return 0;
+    for (size_t i = 0; i < count; i++)
+        if (tolower((unsigned char)path[length - count + i]) != ending[i])
+            return 0;
+    return 1;
+}
+
+int host_file_is_same(const char *path, const char *other)
+{
+    struct stat one, two;
+    return path && other && stat(path, &one) == 0 && stat(other, &two) == 0 && one.st_dev == two.st_dev &&
+           one.st_ino == two.st_ino;
+}
+
+int host_file_is_of_device(const char *path, const char *device)
+{
+    char piece[PIECE_BYTES];
+    int is_same = 0;
+    for (const char *at = strchr(device, ':'); at && *at && !is_same;) {
+        const size_t length = strcspn(++at, "?&=");
+        snprintf(piece, sizeof piece, "%.*s", (int)length, at);
+        is_same = host_file_is_same(piece, path);
+        at += length;
+    }
+    return is_same;
+}
 
 /* All that comes, with room for a zero behind it. NULL: reading failed, and errno says why. */
 static unsigned char *read_all(FILE *file, size_t *size)

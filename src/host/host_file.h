@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files that are read as a whole, and compiled meshes and arms in them. */
+/* Files: their names, what is read of them as a whole, and compiled meshes and arms in them. */
 #ifndef DPT_HOST_FILE_H
 #define DPT_HOST_FILE_H
 
@@ -8,6 +8,15 @@
 #include "dynpoint/arm.h"
 #include "dynpoint/mesh.h"
 #include "host/host_error.h"
+
+/* 1 if a path is longer than an ending and has it, in capitals or not. The ending is in small letters: ".json". */
+int host_file_ends_in(const char *path, const char *ending);
+
+/* 1 if both are there, and are one file, by whatever names. Each may be NULL. */
+int host_file_is_same(const char *path, const char *other);
+
+/* 1 if a path is one of the files in a device's name: its address or the value of a setting. */
+int host_file_is_of_device(const char *path, const char *device);
 
 /*
  * Read a file; "-" is standard input. It is opened and read once, so it may be a pipe. The bytes are aligned to 64 and

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "host/scene_def.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "base/return_if_error.h"
 #include "built_with.h"
+#include "host/host_file.h"
 
 void scene_def_init(struct scene_def *def, const char *command)
 {
@@ -24,14 +22,7 @@ void scene_def_init(struct scene_def *def, const char *command)
 
 static int is_scene_file_name(const char *path)
 {
-    static const char ending[] = ".json";
-    const size_t length = strlen(path), count = sizeof ending - 1;
-    if (length <= count)
-        return 0;
-    for (size_t i = 0; i < count; i++)
-        if (tolower((unsigned char)path[length - count + i]) != ending[i])
-            return 0;
-    return 1;
+    return host_file_ends_in(path, ".json");
 }
 
 #ifdef DPT_HAS_JANSSON
@@ -135,19 +126,10 @@ dpt_result scene_def_complete(struct scene_def *def, const uint32_t *law, dpt_ho
     return DPT_OK;
 }
 
-static int is_file(const char *name, const struct stat *file)
-{
-    struct stat found;
-    return name && stat(name, &found) == 0 && found.st_dev == file->st_dev && found.st_ino == file->st_ino;
-}
-
 int scene_def_has_file(const struct scene_def *def, const char *path)
 {
-    struct stat file;
-    if (stat(path, &file) != 0)
-        return 0;
-    int has = is_file(def->path, &file) || is_file(def->tool, &file);
+    int has = host_file_is_same(def->path, path) || host_file_is_same(def->tool, path);
     for (uint32_t i = 0; def->file && i < def->file->body_count; i++)
-        has |= is_file(def->file->bodies[i].mesh, &file);
+        has |= host_file_is_same(def->file->bodies[i].mesh, path);
     return has;
 }

@@ -17,6 +17,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "lib/pose.h"
 #include "lib/solid.h"
 #include "timing.h"
 
@@ -100,18 +101,6 @@ static void tick(struct stage_of_tool *stage, const struct tool_kind *kind, cons
         stage->took[stage->ticks++] = took;
 }
 
-/* The turn from z to a unit direction. */
-static void turn_to(const double to[3], double q[4])
-{
-    q[0] = 1 + to[2];
-    q[1] = -to[1];
-    q[2] = to[0];
-    q[3] = 0;
-    const double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-    for (int k = 0; k < 4; k++)
-        q[k] = size > 1e-9 ? q[k] / size : (double)(k == 1);
-}
-
 static void run(struct stage_of_tool *stages, const struct solid *solid, int motion, uint64_t *seed)
 {
     const float *v = solid->corners + 9 * (random_bits(seed) % solid->info.triangles);
@@ -126,7 +115,7 @@ static void run(struct stage_of_tool *stages, const struct solid *solid, int mot
         out[k] = e[(k + 1) % 3] * f[(k + 2) % 3] - e[(k + 2) % 3] * f[(k + 1) % 3];
     unit3(out);
     unit3(e);
-    turn_to(motion == 2 ? e : out, pose.orientation);
+    turn_from_z(motion == 2 ? e : out, pose.orientation);
     for (int number = 0; number < TICKS; number++) {
         const double height = motion ? fmax(-0.005, 0.003 - 1e-4 * number) : 0.02;
         const double slid = 1e-4 * number;

@@ -19,6 +19,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "lib/pose.h"
 #include "lib/solid.h"
 #include "timing.h"
 
@@ -73,41 +74,15 @@ static void fail(const char *what)
     exit(2);
 }
 
-/* The middle of a random triangle, and its normal. */
-static void find_place(struct hand *hand, double at[3], double out[3])
-{
-    const float *v = hand->solid->corners + 9 * (random_bits(&hand->seed) % hand->solid->info.triangles);
-    double e[3], f[3];
-    for (int k = 0; k < 3; k++) {
-        at[k] = ((double)v[k] + (double)v[3 + k] + (double)v[6 + k]) / 3.0;
-        e[k] = (double)v[3 + k] - (double)v[k];
-        f[k] = (double)v[6 + k] - (double)v[k];
-    }
-    cross3(e, f, out);
-    unit3(out);
-}
-
 static void go_on(struct hand *hand)
 {
     memcpy(hand->at, hand->next, sizeof hand->at);
     memcpy(hand->out, hand->next_out, sizeof hand->out);
     do
-        find_place(hand, hand->next, hand->next_out);
+        solid_random_place(hand->solid, &hand->seed, hand->next, hand->next_out);
     while (apart(hand->at, hand->next) > HOP || apart(hand->at, hand->next) == 0.0);
     hand->way = apart(hand->at, hand->next);
     hand->gone = 0;
-}
-
-/* The turn from z to a unit direction. */
-static void turn_to(const double to[3], double q[4])
-{
-    q[0] = 1 + to[2];
-    q[1] = -to[1];
-    q[2] = to[0];
-    q[3] = 0;
-    const double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-    for (int k = 0; k < 4; k++)
-        q[k] = size > 1e-9 ? q[k] / size : (double)(k == 1);
 }
 
 static double height_at(const struct hand *hand, int tick)
@@ -140,7 +115,7 @@ static void hand_pose(struct hand *hand, int tick, dpt_pose *pose)
     }
     tilted[0] += 1.2;
     unit3(tilted);
-    turn_to(tilted, pose->orientation);
+    turn_from_z(tilted, pose->orientation);
 }
 
 /* Returns the sum of all forces; took[]: of each tick after the first ones, us. */
@@ -165,7 +140,7 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
     settings.static_friction = settings.kinetic_friction = friction;
     if (dpt_body_set_settings(world, body, &settings))
         fail("no settings");
-    find_place(&hand, hand.next, hand.next_out);
+    solid_random_place(solid, &hand.seed, hand.next, hand.next_out);
     go_on(&hand);
     for (int tick = 0; tick < SETTLED + ticks; tick++) {
         dpt_wrench wrench;

@@ -66,9 +66,9 @@ def as_the_program(scene, device, ticks):
     return not wrong
 
 
-def refused(scene, *texts, record=None):
+def refused(scene, *texts, record=None, device="sim"):
     try:
-        run(scene, "sim", 1, record)
+        run(scene, device, 1, record)
     except RuntimeError as error:
         right = any(text in str(error) for text in texts)
         print(f"  {'ok  ' if right else 'FAIL'} {error}")
@@ -76,8 +76,19 @@ def refused(scene, *texts, record=None):
     return False
 
 
+def what_the_device_reads_is_kept():
+    with tempfile.TemporaryDirectory() as folder:
+        trace, rows = f"{folder}/hand.csv", "tick,ax,ay,az,bx,by,bz\n" + "".join(f"{i},0,0.01,0,0,0.01,0.1\n" for i in range(9))
+        with open(trace, "w", encoding="ascii") as file:
+            file.write(rows)
+        is_refused = refused("membrane", "it is read here", record=trace, device=f"replay:{trace}")
+        with open(trace, encoding="ascii") as file:
+            return is_refused and file.read() == rows
+
+
 results = [as_the_program(scene, "sim:?hand=press", 3000) for scene in ("liver", "membrane", "laparoscopy")]
 results += [refused("nothing.dpa", "nothing.dpa: cannot be opened"), 
             refused("docs/samples/scene.json", "it is read here", "this build reads no scene files", record="docs/samples/scene.json")]
+results += [what_the_device_reads_is_kept()]
 print(f"{sum(results)} passed, {len(results) - sum(results)} failed, 0 skipped")
 sys.exit(not all(results))

@@ -15,49 +15,23 @@ enum { STAY = 500 };
 #define FAST   1e-3
 #define PERIOD 6.283185307179586
 
-/* The middle of a random triangle, and its normal. */
-static void find_place(struct hand *hand, double at[3], double out[3])
-{
-    const float *v = hand->solid->corners + 9 * (random_bits(&hand->seed) % (uint64_t)hand->solid->place.triangles);
-    double e[3], f[3];
-    for (int k = 0; k < 3; k++) {
-        at[k] = ((double)v[k] + (double)v[3 + k] + (double)v[6 + k]) / 3.0;
-        e[k] = (double)v[3 + k] - (double)v[k];
-        f[k] = (double)v[6 + k] - (double)v[k];
-    }
-    cross3(e, f, out);
-    unit3(out);
-}
-
 static void go_on(struct hand *hand)
 {
     memcpy(hand->at, hand->next, sizeof hand->at);
     memcpy(hand->out, hand->next_out, sizeof hand->out);
     do {
-        find_place(hand, hand->next, hand->next_out);
+        solid_random_place(hand->solid, &hand->seed, hand->next, hand->next_out);
         hand->way = apart(hand->at, hand->next);
     } while (hand->way > HOP || hand->way == 0 ||
              (hand->holding == HAND_HOLDS && apart(hand->start, hand->next) > HOP));
     hand->gone = 0;
 }
 
-/* The turn from z to a unit direction. */
-static void turn_to(const double to[3], double q[4])
-{
-    q[0] = 1 + to[2];
-    q[1] = -to[1];
-    q[2] = to[0];
-    q[3] = 0;
-    const double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-    for (int k = 0; k < 4; k++)
-        q[k] = size > 1e-9 ? q[k] / size : (double)(k == 1);
-}
-
 void hand_begin(struct hand *hand, const struct solid *solid, int motion, int holding, double depth, uint64_t seed)
 {
     double lean[3], to[3];
     *hand = (struct hand){ .solid = solid, .motion = motion, .holding = holding, .depth = depth, .seed = seed };
-    find_place(hand, hand->next, hand->next_out);
+    solid_random_place(hand->solid, &hand->seed, hand->next, hand->next_out);
     memcpy(hand->start, hand->next, sizeof hand->start);
     go_on(hand);
     random_unit(&hand->seed, lean);
@@ -66,7 +40,7 @@ void hand_begin(struct hand *hand, const struct solid *solid, int motion, int ho
     for (int k = 0; k < 3; k++)
         to[k] = hand->out[k] + random_in(&hand->seed, 0, 1) * lean[k];
     unit3(to);
-    turn_to(to, hand->held);
+    turn_from_z(to, hand->held);
 }
 
 static double height_at(const struct hand *hand)
@@ -89,7 +63,7 @@ static void orient(const struct hand *hand, const double out[3], dpt_pose *pose)
         return;
     }
     unit3(tilted);
-    turn_to(tilted, pose->orientation);
+    turn_from_z(tilted, pose->orientation);
 }
 
 void hand_move(struct hand *hand, dpt_pose *pose)

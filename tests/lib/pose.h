@@ -67,6 +67,18 @@ static inline void turn_times(const double p[4], const double q[4], double out[4
         out[k] = made[k];
 }
 
+/* The turn from z to a unit direction. */
+static inline void turn_from_z(const double to[3], double q[4])
+{
+    q[0] = 1 + to[2];
+    q[1] = -to[1];
+    q[2] = to[0];
+    q[3] = 0;
+    const double size = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    for (int k = 0; k < 4; k++)
+        q[k] = size > 1e-9 ? q[k] / size : (double)(k == 1);
+}
+
 /* Turn a pose about its position by a quaternion of any length. */
 static inline void pose_turn_by(dpt_pose *pose, const double turn[4])
 {

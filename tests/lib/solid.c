@@ -206,3 +206,16 @@ void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contact
             ids->tick[k] = tick;
     }
 }
+
+void solid_random_place(const struct solid *solid, uint64_t *seed, double at[3], double out[3])
+{
+    const float *v = solid->corners + 9 * (random_bits(seed) % (uint64_t)solid->place.triangles);
+    double e[3], f[3];
+    for (int k = 0; k < 3; k++) {
+        at[k] = ((double)v[k] + (double)v[3 + k] + (double)v[6 + k]) / 3.0;
+        e[k] = (double)v[3 + k] - (double)v[k];
+        f[k] = (double)v[6 + k] - (double)v[k];
+    }
+    cross3(e, f, out);
+    unit3(out);
+}

@@ -81,4 +81,7 @@ struct id_history {
 
 void check_ids(struct id_history *ids, uint64_t tick, const dpt_contact *contacts, uint32_t count, const char *text);
 
+/* The middle of a random triangle, and its normal, of unit length. */
+void solid_random_place(const struct solid *solid, uint64_t *seed, double at[3], double out[3]);
+
 #endif

@@ -235,26 +235,33 @@ J
     notes 'at another rate' 'what it promises does not count' run --plan torus.json --device 'sim:?hand=press&rate=2000' --ticks 50 --json
 }
 
+# to_and_fro TICKS STAY: a trace of a tool that is now on one side of the torus, now on the other, and goes across in one
+# tick. STAY, in awk, has the ticks of a side: row(HEIGHT, OFF).
+to_and_fro()
+{
+    awk -v ticks="$1" 'function row(z, off) {
+            printf "%d,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", tick++, x + off - 0.005 * side, -0.05, z,
+                x + off + 0.005 * side, 0.05, z
+        }
+        BEGIN {
+            print "tick,ax,ay,az,bx,by,bz"
+            for (side = 1; tick < ticks; side = -side) {
+                x = 0.1 * side
+                '"$2"'
+            }
+        }' </dev/null
+}
+
 # A tool that rests above, presses now here, now there, and flies across in one tick: the sweeps of that may wait, as nothing
 # is met on the way. The slides of the torus' own plan need theirs.
 sweeps()
 {
     check 'slides are swept at once' json torus.json 'p["setting"]["sweep_budget"] == 0'
     check "and why: $(grep sweep_budget torus.txt)" grep -q '^  sweep_budget  *none  *\([0-9]*: .*\|-\)$' torus.txt
-    awk 'function row(z, off) {
-            printf "%d,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", tick++, x + off - 0.005 * side, -0.05, z,
-                x + off + 0.005 * side, 0.05, z
-        }
-        BEGIN {
-            print "tick,ax,ay,az,bx,by,bz"
-            for (side = 1; tick < 10080; side = -side) {
-                x = 0.1 * side
-                for (i = 0; i < 220; i++) row(0.06)
-                for (i = 0; i < 40; i++) row(0.06 - 0.0195 * i / 39)
-                for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
-                for (i = 0; i < 40; i++) row(0.0405 + 0.0195 * i / 39)
-            }
-        }' </dev/null >flights.csv
+    to_and_fro 10080 'for (i = 0; i < 220; i++) row(0.06)
+        for (i = 0; i < 40; i++) row(0.06 - 0.0195 * i / 39)
+        for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
+        for (i = 0; i < 40; i++) row(0.0405 + 0.0195 * i / 39)' >flights.csv
     succeeds 'a finer torus' make torus 61358 -o fine.obj
     succeeds 'compiled' compile fine.obj -o fine.dpa
     succeeds 'plan flights' plan fine.dpa --error 0.1mm --force-error 0.05N --trace flights.csv -o flights.json --header flights.h
@@ -273,19 +280,9 @@ waits, unlimited = json.load(open("waits.out")), json.load(open("stdout"))
 assert unlimited["force_error"] == 0 and waits["work"] <= 0.9 * unlimited["work"]' 2>python.log
     # Where the tool strikes in the tick of its flight, a sweep that has to wait is felt.
     sed "s/\"sweep_budget\": $units/\"sweep_budget\": 1/" flights.json >few.json
-    awk 'function row(z, off) {
-            printf "%d,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", tick++, x + off - 0.005 * side, -0.05, z,
-                x + off + 0.005 * side, 0.05, z
-        }
-        BEGIN {
-            print "tick,ax,ay,az,bx,by,bz"
-            for (side = 1; tick < 3000; side = -side) {
-                x = 0.1 * side
-                row(0.06)
-                for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
-                row(0.06)
-            }
-        }' </dev/null >strikes.csv
+    to_and_fro 3000 'row(0.06)
+        for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
+        row(0.06)' >strikes.csv
     holds 'strikes' --plan flights.json strikes.csv
     breaks 'too few' force --plan few.json strikes.csv
     edited '"sweep_budget": 0' '"sweep_budget": -1'

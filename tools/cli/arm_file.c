@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "cli/arm_file.h"
 
-#include <ctype.h>
 #include <inttypes.h>
 #include <string.h>
 
@@ -13,20 +12,9 @@
 #include "dynpoint/urdf.h"
 #endif
 
-static int ends_in(const char *path, const char *ending)
-{
-    size_t length = strlen(path), count = strlen(ending);
-    if (length <= count)
-        return 0;
-    for (size_t i = 0; i < count; i++)
-        if (tolower((unsigned char)path[length - count + i]) != ending[i])
-            return 0;
-    return 1;
-}
-
 int is_urdf_name(const char *path)
 {
-    return ends_in(path, ".urdf") || ends_in(path, ".xml");
+    return host_file_ends_in(path, ".urdf") || host_file_ends_in(path, ".xml");
 }
 
 int is_urdf_text(const char *text)

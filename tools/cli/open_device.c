@@ -10,6 +10,7 @@
 
 #include "cli/command_options.h"
 #include "clock.h"
+#include "host/host_file.h"
 #include "host/host_session.h"
 
 int open_device(const char *command, const char *name, dpt_device **device)
@@ -34,15 +35,9 @@ int end_fault(const char *command, const char *name, dpt_device *device)
 
 int device_output_check(const char *command, const char *path, const char *name)
 {
-    char piece[1024];
-    int status = 0;
-    for (const char *at = strchr(name, ':'); at && *at && !status;) {
-        const size_t length = strcspn(++at, "?&=");
-        snprintf(piece, sizeof piece, "%.*s", (int)length, at);
-        status = output_check(command, path, (const char *const[]){ piece, NULL });
-        at += length;
-    }
-    return status;
+    return host_file_is_of_device(path, name)
+               ? complain(command, "%s: it is an input too, and would be overwritten", path)
+               : 0;
 }
 
 static volatile int is_requested;

@@ -1,21 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "record/run_trace.h"
 
-#include <ctype.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "host/host_file.h"
+
 int is_trace_name(const char *path)
 {
-    static const char ending[] = ".csv";
-    const size_t length = strlen(path);
-    if (length < sizeof ending - 1)
-        return 0;
-    for (size_t i = 0; i < sizeof ending - 1; i++)
-        if (tolower((unsigned char)path[length - (sizeof ending - 1) + i]) != ending[i])
-            return 0;
-    return 1;
+    return host_file_ends_in(path, ".csv");
 }
 
 int run_trace_open(struct run_trace *trace, const char *path)
