@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * libdynpoint_host: a scene that is felt with a device, and safely so. It opens the scene (a name, a scene file, a compiled
- * mesh or arm) and the device, chooses the stiffest coupling that the device can hold, takes away what energy the scene
- * would give a hand, and stands with a guard before the motors: what `dynpoint run` does, as a library.
+ * libdynpoint_host: a scene that is felt with a device, and safely so. It opens the scene (a name, a scene file, a
+ * compiled mesh or arm) and the device, chooses the stiffest coupling that the device can hold, takes away what energy
+ * the scene would give a hand, and stands with a guard before the motors: what `dynpoint run` does, as a library.
  *
  *     dpt_host_def def;
  *     dpt_host *host;
@@ -19,8 +19,9 @@
  *
  * Units are SI, in the scene's metres; the device's are the hand's (docs/scene.md, docs/drivers.md).
  *
- * Threads: a host belongs to one thread at a time, its callback to the one that runs it. dpt_host_stop may be called from
- * any thread, and from a signal handler. Physics at a rate of its own has a thread, which dpt_host_run starts and ends.
+ * Threads: a host belongs to one thread at a time, its callback to the one that runs it. dpt_host_stop may be called
+ * from any thread, and from a signal handler. Physics at a rate of its own has a thread, which dpt_host_run starts and
+ * ends.
  */
 #ifndef DYNPOINT_HOST_H
 #define DYNPOINT_HOST_H
@@ -37,7 +38,8 @@ typedef struct dpt_host dpt_host;
  * What a call has to say to a person, in one line.
  *   code   what the call returned
  *   text   after a failure, the file, its place and the reason. After a success, what a person should know, as that the
- *          coupling is softer than was asked for, and why; or "" for nothing
+ *          coupling is softer than was asked for, and why; or "" for nothing. What a cure is called there are options of
+ *          `dynpoint run`, as --unstable for DPT_HOST_FLAG_UNSTABLE
  */
 typedef struct dpt_host_error {
     uint32_t size; /* sizeof(dpt_host_error), set by the caller */
@@ -75,25 +77,26 @@ typedef struct dpt_host_def {
     const char *identified; /* path of the device's dynamics (dpt_device_dynamics_read); NULL: as it tells; NULL */
     /* The device of a loop of your own. Flags, rate, limits and dynamics count. NULL: there is none; NULL */
     const dpt_device_info *info;
-    const char *record; /* path of a recording of all ticks, which `dynpoint replay` and `view` take; NULL: none; NULL */
-    dpt_host_felt_fn *felt;       /* NULL */
-    void *user;                   /* first argument of `felt`; NULL */
-    uint32_t law;                 /* DPT_LAW_...; DPT_NONE */
-    uint32_t clutch;              /* device button that holds the tool where it is; DPT_NONE */
-    uint32_t budget;              /* units of work a tick; 0: 3e6 a second, so that a tick keeps within its period; 0 */
-    uint32_t cpu;                 /* dpt_loop_def.cpu; 0 */
-    uint64_t ticks;               /* dpt_loop_def.ticks; 0 */
-    double origin[3];             /* of the device, in the scene's frame, m; NAN */
-    double stiffness;             /* N/m; 0: as much as the device can hold; 0 */
-    double gain_margin;           /* dpt_coupling_def.gain_margin; 1.5 */
-    double friction;              /* of all bodies; NAN */
-    double damping;               /* of the tool's spring, Ns/m; 0 */
-    double zoom;                  /* metres of the scene for one of the hand, above 0, at most 1000; NAN */
-    double force_scale;           /* newtons at the hand for one of the scene, 0.001..1000; NAN */
-    double length;                /* of a stylus, m, 0..10; NAN */
-    double radius;                /* of a stylus, m, 0..1; NAN */
-    double physics; /* Hz of what gives way, apart from the loop, 1..5000; 0: in each tick; 0 */
-    double rate;    /* of the loop, Hz, 1..100000; 0: the device's; 0 */
+    /* Path of a recording of all ticks, which `dynpoint replay` and `view` take. NULL: there is none; NULL */
+    const char *record;
+    dpt_host_felt_fn *felt; /* NULL */
+    void *user;             /* first argument of `felt`; NULL */
+    uint32_t law;           /* DPT_LAW_...; DPT_NONE */
+    uint32_t clutch;        /* device button that holds the tool where it is; DPT_NONE */
+    uint32_t budget;        /* units of work a tick; 0: 3e6 a second, so that a tick keeps within its period; 0 */
+    uint32_t cpu;           /* dpt_loop_def.cpu; 0 */
+    uint64_t ticks;         /* dpt_loop_def.ticks; 0 */
+    double origin[3];       /* of the device, in the scene's frame, m; NAN */
+    double stiffness;       /* N/m; 0: as much as the device can hold; 0 */
+    double gain_margin;     /* dpt_coupling_def.gain_margin; 1.5 */
+    double friction;        /* of all bodies; NAN */
+    double damping;         /* of the tool's spring, Ns/m; 0 */
+    double zoom;            /* metres of the scene for one of the hand, above 0, at most 1000; NAN */
+    double force_scale;     /* newtons at the hand for one of the scene, 0.001..1000; NAN */
+    double length;          /* of a stylus, m, 0..10; NAN */
+    double radius;          /* of a stylus, m, 0..1; NAN */
+    double physics;         /* Hz of what gives way, apart from the loop, 1..5000; 0: in each tick; 0 */
+    double rate;            /* of the loop, Hz, 1..100000; 0: the device's; 0 */
     double force_max; /* of the guard, N, 0..1000; NAN: the guard's default, and the device's if that is less; NAN */
 } dpt_host_def;
 
@@ -155,8 +158,8 @@ DPT_API dpt_result dpt_host_open(const dpt_host_def *def, dpt_host **host, dpt_h
 DPT_API dpt_result dpt_host_close(dpt_host *host, dpt_host_error *error);
 
 /*
- * Serve the device in this thread, as dpt_loop_run does: until dpt_host_stop, after `ticks`, or when the device is lost. At
- * the end it sends zero force.
+ * Serve the device in this thread, as dpt_loop_run does: until dpt_host_stop, after `ticks`, or when the device is lost.
+ * At the end it sends zero force.
  *   stats   may be NULL
  *   error   may be NULL
  *
@@ -168,14 +171,14 @@ DPT_API dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats, dpt_host_
 DPT_API void dpt_host_stop(dpt_host *host);
 
 /*
- * One tick of a loop of your own, of a host without a device. Allocates nothing and reads no clock, but for how long a step
- * takes in a recording. Physics at a rate of its own goes by the ticks' time.
+ * One tick of a loop of your own, of a host without a device. Allocates nothing and reads no clock, but for how long a
+ * step takes in a recording. Physics at a rate of its own goes by the ticks' time.
  *   state    the newest sample; `fresh`, `status`, `sequence`, `time_ns` and the pose count
  *   now_ns   of the clock of time_ns: for the guard
  *   wrench   out: what to send, after the guard; zero if an argument is NULL, and where the device is not ready
  *
- * It returns what the tick returned: DPT_OK also without a fresh sample, and DPT_E_NOT_READY while the clutch is down. The
- * wrench is to be sent in any case: after a tick that failed the guard ends the force.
+ * It returns what the tick returned: DPT_OK also without a fresh sample, and DPT_E_NOT_READY while the clutch is down.
+ * The wrench is to be sent in any case: after a tick that failed the guard ends the force.
  */
 DPT_API dpt_result dpt_host_tick(dpt_host *host, const dpt_device_state *state, uint64_t now_ns, dpt_wrench *wrench);
 

@@ -26,8 +26,8 @@ struct spring_solve {
     struct spring_system *systems;
     float *force, *product;
     float *direction;
-    uint8_t *is_near;           /* 1 a slice: the answer to the loads reaches it */
-    uint32_t *near;             /* those */
+    uint8_t *is_near; /* 1 a slice: the answer to the loads reaches it */
+    uint32_t *near;   /* those */
     uint32_t near_count;
     float *stiffness;           /* 16 a slice: the sum over a node's springs */
     struct spring_slice *begin; /* where a step of several substeps began */

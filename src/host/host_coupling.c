@@ -47,7 +47,8 @@ static void say_why(const struct scene *scene, const dpt_coupling *coupling, dou
                       asked, which, 1e3 * coupling->delay_needed, 1e3 * coupling->delay, coupling->stiffness,
                       by_rotation, asked);
         else
-            host_note(error, "%.4g N/m instead of %g%s: this device holds no more, however short its delay%s (--unstable "
+            host_note(error,
+                      "%.4g N/m instead of %g%s: this device holds no more, however short its delay%s (--unstable "
                       "takes %g all the same)",
                       coupling->stiffness, asked, which, by_rotation, asked);
         break;

@@ -124,9 +124,9 @@ static dpt_result check_curved(const struct scene *scene, const struct scene_def
     for (uint32_t i = 0; i < scene->bodies.count && def->tips.count && def->force.law != DPT_LAW_PROXY; i++)
         if (scene_body_is_soft(&scene->bodies.body[i]))
             return host_refuse(error, DPT_E_UNSUPPORTED,
-                            "%s: bodies[%u] gives way: by the laws point and bed curved tips feel rigid bodies "
-                            "alone (tool.law, --law)",
-                            def->path, (unsigned)i);
+                               "%s: bodies[%u] gives way: by the laws point and bed curved tips feel rigid bodies "
+                               "alone (tool.law, --law)",
+                               def->path, (unsigned)i);
     return DPT_OK;
 }
 

@@ -73,8 +73,7 @@ void scene_close(struct scene *scene);
  * Make the world in which this device moves the tool.
  *   budget   units of work a step; 0: unlimited
  */
-dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget,
-                            dpt_host_error *error);
+dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget, dpt_host_error *error);
 
 /*
  * Move the tool to the hand's pose and take a step. The wrench is that of the hand, in the device's axes, after the

@@ -299,10 +299,10 @@ dpt_result scene_bodies_check_step(const struct scene_bodies *bodies, const char
         const double stable = dpt_springs_get_stable_step(springs);
         if (springs && !(dt <= STEP_SHARE * stable * usual.max_substeps))
             return host_refuse(error, DPT_E_UNSTABLE,
-                            "%s: bodies[%u] is too stiff: its steps may take %.3g s, and %u of them "
-                            "are less than %g s. Choose the integrator implicit, a material that "
-                            "is less stiff or heavier, or a coarser mesh",
-                            path, (unsigned)i, STEP_SHARE * stable, (unsigned)usual.max_substeps, dt);
+                               "%s: bodies[%u] is too stiff: its steps may take %.3g s, and %u of them "
+                               "are less than %g s. Choose the integrator implicit, a material that "
+                               "is less stiff or heavier, or a coarser mesh",
+                               path, (unsigned)i, STEP_SHARE * stable, (unsigned)usual.max_substeps, dt);
     }
     return DPT_OK;
 }

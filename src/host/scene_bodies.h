@@ -6,11 +6,11 @@
 #ifndef DPT_HOST_SCENE_BODIES_H
 #define DPT_HOST_SCENE_BODIES_H
 
-#include "host/file_identity.h"
-#include "host/force_options.h"
 #include "dynpoint/arm.h"
 #include "dynpoint/compile.h"
 #include "dynpoint/springs.h"
+#include "host/file_identity.h"
+#include "host/force_options.h"
 #include "host/scene_file.h"
 
 struct scene_body {

@@ -52,8 +52,8 @@ dpt_result scene_def_read(struct scene_def *def, dpt_host_error *error)
     if (def->scene_bytes.bytes || !is_scene_file_name(def->path))
         return DPT_OK;
     return host_refuse(error, DPT_E_ABSENT,
-                    "%s: this build reads no scene files: install libjansson-dev and pkg-config, and build it again",
-                    def->path);
+                       "%s: this build reads no scene files: install libjansson-dev and pkg-config, and build it again",
+                       def->path);
 }
 
 void scene_def_free(struct scene_def *def)
@@ -74,8 +74,8 @@ static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
     const struct scene_file *file = def->file;
     const int has_own = file && (file->arm || file->segment_count);
     if (has_own && !def->tool && (!isnan(def->length) || !isnan(def->radius)))
-        return host_refuse(error, DPT_E_ARGUMENT, "%s: --length and --radius are for a stylus; its tool is %s", def->path,
-                        file->arm ? "an arm's" : "segments");
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: --length and --radius are for a stylus; its tool is %s",
+                           def->path, file->arm ? "an arm's" : "segments");
     if (file && !def->tips.count && !def->tool)
         def->tips = file->tips;
     if (file && !def->jaw.is_given && !def->tool)
@@ -83,8 +83,9 @@ static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
     if (file && file->arm && !def->tool)
         def->tool = file->arm;
     if (def->force.law != DPT_LAW_PROXY && !tip_shapes_are_curved(&def->tips))
-        return host_refuse(error, DPT_E_ARGUMENT, "%s: tips are felt by the law proxy alone (tool.law, --law), but for curved ones",
-                        def->path);
+        return host_refuse(error, DPT_E_ARGUMENT,
+                           "%s: tips are felt by the law proxy alone (tool.law, --law), but for curved ones",
+                           def->path);
     return DPT_OK;
 }
 
@@ -104,8 +105,8 @@ static dpt_result check_responses(const struct scene_def *def, dpt_host_error *e
     if (displaced < 0 || def->force.law != DPT_LAW_PROXY)
         return DPT_OK;
     return host_refuse(error, DPT_E_ARGUMENT,
-                    "%s: bodies[%d].physics.response: displace is for the laws point and bed (tool.law, --law)",
-                    def->path, displaced);
+                       "%s: bodies[%d].physics.response: displace is for the laws point and bed (tool.law, --law)",
+                       def->path, displaced);
 }
 
 dpt_result scene_def_complete(struct scene_def *def, const uint32_t *law, dpt_host_error *error)

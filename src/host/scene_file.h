@@ -3,9 +3,9 @@
 #ifndef DPT_HOST_SCENE_FILE_H
 #define DPT_HOST_SCENE_FILE_H
 
-#include "host/file_identity.h"
 #include "dynpoint/arm.h"
 #include "dynpoint/world.h"
+#include "host/file_identity.h"
 #include "host/json_value.h"
 #include "host/scene_list.h"
 #include "host/scene_tips.h"

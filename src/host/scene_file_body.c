@@ -3,9 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/setting_words.h"
 #include "dynpoint/springs.h"
 #include "host/scene_file.h"
+#include "host/setting_words.h"
 #include "host/shape.h"
 
 /* A box or a sphere. */

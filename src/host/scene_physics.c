@@ -151,13 +151,12 @@ dpt_result scene_physics_choose(struct scene_bodies *bodies, const char *path, d
         is_soft = 1;
         if (body->response == DPT_RESPONSE_DISPLACE)
             return host_refuse(error, DPT_E_UNSUPPORTED,
-                            "%s: --physics: bodies[%u] is displaced by the tool, which is part of "
-                            "each tick: its springs cannot be stepped apart",
-                            path, (unsigned)i);
+                               "%s: --physics: bodies[%u] is displaced by the tool, which is part of "
+                               "each tick: its springs cannot be stepped apart",
+                               path, (unsigned)i);
         body->period = fmax(body->period, 1.0 / rate);
     }
-    return is_soft ? DPT_OK
-                   : host_refuse(error, DPT_E_ARGUMENT, "%s: --physics: none of its bodies gives way", path);
+    return is_soft ? DPT_OK : host_refuse(error, DPT_E_ARGUMENT, "%s: --physics: none of its bodies gives way", path);
 }
 
 dpt_result scene_physics_check_loop(double rate, double loop_rate, dpt_host_error *error)
@@ -166,9 +165,9 @@ dpt_result scene_physics_check_loop(double rate, double loop_rate, dpt_host_erro
     if (whole >= 1.0 && fabs(ratio - whole) <= WHOLE_NUMBER * ratio)
         return DPT_OK;
     return host_refuse(error, DPT_E_ARGUMENT,
-                    "--physics %g: this device has a time of its own, so that physics is stepped "
-                    "every so many ticks: its rate must divide the %g Hz of the loop",
-                    rate, loop_rate);
+                       "--physics %g: this device has a time of its own, so that physics is stepped "
+                       "every so many ticks: its rate must divide the %g Hz of the loop",
+                       rate, loop_rate);
 }
 
 dpt_result scene_physics_open(struct scene_physics **made, struct scene_bodies *bodies, double rate)

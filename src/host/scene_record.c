@@ -28,8 +28,7 @@ dpt_result scene_record_open(struct scene_record *record, const char *path, cons
     const size_t size = strlen(path) + 1;
     char *words = malloc(DPT_RECORD_TEXT_MAX + 1);
     *record = (struct scene_record){ .path = malloc(size), .is_timed = !waits, .counts.size = sizeof record->counts };
-    dpt_result result =
-        words && record->path ? DPT_OK : host_refuse(error, DPT_E_MEMORY, "memory ran out");
+    dpt_result result = words && record->path ? DPT_OK : host_refuse(error, DPT_E_MEMORY, "memory ran out");
     if (result == DPT_OK) {
         memcpy(record->path, path, size);
         result = scene_text_write(text, scene, words, error);

@@ -182,8 +182,8 @@ static void append_key(struct writer *writer, const struct key *key, const struc
     append(writer, "\n");
 }
 
-dpt_result scene_text_write(const struct scene_text *text, const struct scene *scene,
-                            char out[DPT_RECORD_TEXT_MAX + 1], dpt_host_error *error)
+dpt_result scene_text_write(const struct scene_text *text, const struct scene *scene, char out[DPT_RECORD_TEXT_MAX + 1],
+                            dpt_host_error *error)
 {
     struct writer writer = { .out = out };
     out[0] = '\0';

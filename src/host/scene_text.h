@@ -46,8 +46,8 @@ struct scene_text {
 void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def);
 
 /* Write it into `out`, the tool's segments and tips at its end. */
-dpt_result scene_text_write(const struct scene_text *text, const struct scene *scene,
-                            char out[DPT_RECORD_TEXT_MAX + 1], dpt_host_error *error);
+dpt_result scene_text_write(const struct scene_text *text, const struct scene *scene, char out[DPT_RECORD_TEXT_MAX + 1],
+                            dpt_host_error *error);
 
 /* Read it. The error names the line and the file. */
 dpt_result scene_text_read(struct scene_text *text, const char *path, const char *in, dpt_host_error *error);

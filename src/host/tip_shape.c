@@ -159,9 +159,9 @@ dpt_result tip_shape_parse(struct tip_shape *shape, const char *text, dpt_host_e
     double numbers[4] = { 0.0 };
     if (kind < 0 || read_numbers(colon + 1, end, numbers, 4) < 3)
         return host_refuse(error, DPT_E_ARGUMENT,
-                        "--tip takes SHAPE:X,Y,Z or SHAPE:X,Y,Z,RADIUS, with the shape box, wedge, "
-                        "cylinder, cone, ellipsoid, capsule, curved-cylinder or curved-cone; it is '%s'",
-                        text);
+                           "--tip takes SHAPE:X,Y,Z or SHAPE:X,Y,Z,RADIUS, with the shape box, wedge, "
+                           "cylinder, cone, ellipsoid, capsule, curved-cylinder or curved-cone; it is '%s'",
+                           text);
     *shape = (struct tip_shape){
         .kind = (uint32_t)kind, .extent = { numbers[0], numbers[1], numbers[2] }, .radius = numbers[3], .pose = identity
     };

@@ -9,11 +9,11 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#include "host/force_options.h"
-#include "host/host_error.h"
 #include "dynpoint/arm.h"
 #include "dynpoint/convex.h"
 #include "dynpoint/hull.h"
+#include "host/force_options.h"
+#include "host/host_error.h"
 
 enum { TIP_SHAPES_MAX = 16 }; /* of one tool */
 

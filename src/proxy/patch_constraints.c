@@ -192,10 +192,9 @@ static int is_swept_free(const struct proxy_tick *tick, const struct patch_view 
     uint32_t evaluations = 1;
     begin_sweep(tick, view, trial);
     surface_corners(surface, triangle->triangle, still.corner);
-    const int is_free =
-        triangle->is_held
-            ? dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE
-            : !dpti_sweep_may_touch_triangle(&trial->sweep, &still);
+    const int is_free = triangle->is_held
+                            ? dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE
+                            : !dpti_sweep_may_touch_triangle(&trial->sweep, &still);
     work_spend(&tick->world->work, evaluations);
     return is_free;
 }
@@ -204,8 +203,8 @@ static int is_swept_free(const struct proxy_tick *tick, const struct patch_view 
 static int is_known_clear(const struct proxy_tick *tick, const struct patch_view *view, const struct trial *trial,
                           const struct patch_triangle *triangle)
 {
-    return triangle->gap - trial->moved > tick->clearance ||
-           (view->is_ball && stays_in_front(view, trial, triangle)) || is_behind_plane(view, trial, triangle);
+    return triangle->gap - trial->moved > tick->clearance || (view->is_ball && stays_in_front(view, trial, triangle)) ||
+           is_behind_plane(view, trial, triangle);
 }
 
 /* How a line is to a triangle at the end of the motion. */
@@ -275,8 +274,7 @@ static struct doubt doubt_of(const struct patch_view *view, const struct trial *
     vec3 v[3];
     surface_corners(&view->body->surface, view->list[i].triangle, v);
     patch_part_beside(&trial->way, v, part);
-    return (struct doubt){ i,
-                           { part[1], 1.0 - part[0], patch_height(&trial->way, view->list[i].normal, part, v) } };
+    return (struct doubt){ i, { part[1], 1.0 - part[0], patch_height(&trial->way, view->list[i].normal, part, v) } };
 }
 
 /*

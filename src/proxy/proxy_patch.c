@@ -396,10 +396,9 @@ static int list_one(struct patch_view *view, uint32_t at, uint32_t lane)
     if (view->count == PATCH_TRIANGLES_MAX)
         return 0;
     view->listed[at] |= 1u << lane;
-    view->list[view->count++] = (struct patch_triangle){ .gap = view->reach,
-                                                         .height = HUGE_VAL,
-                                                         .triangle = view->patch->leaf[at] * LANES + lane,
-                                                         .has_face = 1 };
+    view->list[view->count++] = (struct patch_triangle){
+        .gap = view->reach, .height = HUGE_VAL, .triangle = view->patch->leaf[at] * LANES + lane, .has_face = 1
+    };
     return 1;
 }
 

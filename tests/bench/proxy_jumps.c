@@ -66,12 +66,12 @@ int main(int argc, char **argv)
                         def.seed = 1000 + (uint64_t)i;
                         jump_run(&def, &c);
                     }
-                    printf("%s,%u,%s,%s,%s,%g,%llu,%llu,%llu,%.3f,%llu,%llu,%llu,%llu,%llu,%.3f\n", bench_meshes[m].name,
-                           solid.info.triangles, tools[t].name, hand_motion_names[k], hand_holding_names[h], friction,
-                           (unsigned long long)c.ticks, (unsigned long long)c.acts, (unsigned long long)c.jumps,
-                           c.largest, (unsigned long long)c.puts, (unsigned long long)c.early,
-                           (unsigned long long)c.passed, (unsigned long long)c.overlaps, (unsigned long long)c.folds,
-                           c.ticks ? c.force / (double)c.ticks : 0.0);
+                    printf("%s,%u,%s,%s,%s,%g,%llu,%llu,%llu,%.3f,%llu,%llu,%llu,%llu,%llu,%.3f\n",
+                           bench_meshes[m].name, solid.info.triangles, tools[t].name, hand_motion_names[k],
+                           hand_holding_names[h], friction, (unsigned long long)c.ticks, (unsigned long long)c.acts,
+                           (unsigned long long)c.jumps, c.largest, (unsigned long long)c.puts,
+                           (unsigned long long)c.early, (unsigned long long)c.passed, (unsigned long long)c.overlaps,
+                           (unsigned long long)c.folds, c.ticks ? c.force / (double)c.ticks : 0.0);
                     fflush(stdout);
                 }
         soak_oracle_close(&oracle);

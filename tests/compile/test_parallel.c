@@ -6,11 +6,11 @@
  */
 #include <pthread.h>
 
-#include "compile/lattice.h"
 #include "compile/compile_context.h"
+#include "compile/lattice.h"
 #include "dynpoint/compile.h"
-#include "lib/check.h"
 #include "host/shape.h"
+#include "lib/check.h"
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);
 int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);

@@ -89,8 +89,8 @@ static void both_loops_feel_the_same(void)
         run.count = own.count = 0;
         def.user = &run;
         dpt_host *host = open_host(&def);
-        CHECK(dpt_host_run(host, &stats, NULL) == DPT_OK && stats.fresh == TICKS && run.count == TICKS, "%s: %u of %d ticks",
-              def.scene, run.count, TICKS);
+        CHECK(dpt_host_run(host, &stats, NULL) == DPT_OK && stats.fresh == TICKS && run.count == TICKS,
+              "%s: %u of %d ticks", def.scene, run.count, TICKS);
         const dpt_host_info by_run = info_of(host);
         dpt_host_close(host, NULL);
         const dpt_device_info info = info_of_device(device);
@@ -339,7 +339,8 @@ static void nothing_may_be_null(void)
     def.info = &device;
     host = open_host(&def);
     CHECK(dpt_host_run(host, NULL, NULL) == DPT_E_ARGUMENT, "the loop is the caller's");
-    CHECK(dpt_host_tick(host, NULL, 0, &wrench) == DPT_E_ARGUMENT && dpt_host_tick(host, &state, 0, NULL) == DPT_E_ARGUMENT,
+    CHECK(dpt_host_tick(host, NULL, 0, &wrench) == DPT_E_ARGUMENT &&
+              dpt_host_tick(host, &state, 0, NULL) == DPT_E_ARGUMENT,
           "NULL");
     dpt_host_close(host, NULL);
 }

@@ -10,9 +10,10 @@
 
 struct hang_sums {
     uint64_t ticks;
-    double force, oracle;     /* N */
-    uint64_t farther, nearer; /* ticks in which the proxy is farther from the device than the oracle by 5 %, or nearer */
-    uint64_t folding;         /* in which the oracle did not come to rest within what a proxy may move */
+    double force, oracle; /* N */
+    uint64_t farther,
+        nearer;       /* ticks in which the proxy is farther from the device than the oracle by 5 %, or nearer */
+    uint64_t folding; /* in which the oracle did not come to rest within what a proxy may move */
 };
 
 /* Adds to the sums. */

@@ -250,8 +250,8 @@ static void tips_never_penetrate(void)
     const long upright = counts.held - counts.toppled, folds = counts.folds - counts.toppled_folds;
     CHECK(folds <= upright / 50, "%ld folds on %ld held ticks", folds, upright);
     /* Of a few paths it may be any share. */
-    CHECK(counts.toppled < 5000 || counts.toppled_folds <= counts.toppled / 20, "%ld folds on %ld held ticks of tools that have toppled",
-          counts.toppled_folds, counts.toppled);
+    CHECK(counts.toppled < 5000 || counts.toppled_folds <= counts.toppled / 20,
+          "%ld folds on %ld held ticks of tools that have toppled", counts.toppled_folds, counts.toppled);
     CHECK(counts.lags <= counts.held / 20, "%ld lag on %ld held ticks", counts.lags, counts.held);
 }
 

@@ -9,8 +9,8 @@
 #include "base/return_if_error.h"
 #include "cli/command_options.h"
 #include "cli/law_name.h"
-#include "host/setting_words.h"
 #include "clock.h"
+#include "host/setting_words.h"
 #include "run/replay_report.h"
 #include "shape/mesh_size.h"
 

@@ -228,8 +228,7 @@ static int check_request(struct chart_request *request)
     int status = 0;
     for (int i = 0; status == 0 && i < FILES; i++) {
         snprintf(request->path[i], NAME_ROOM, "%s%s", request->name, endings[i]);
-        status =
-            check_scene_output(scene, request->path[i]) || output_check("chart", request->path[i], traces) ? 2 : 0;
+        status = check_scene_output(scene, request->path[i]) || output_check("chart", request->path[i], traces) ? 2 : 0;
     }
     return status;
 }

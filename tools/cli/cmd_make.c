@@ -7,8 +7,8 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "shape/mesh_file.h"
 #include "host/shape.h"
+#include "shape/mesh_file.h"
 #include "shape/trace_hand.h"
 #include "text/parse_number.h"
 

@@ -14,8 +14,8 @@
 #include "host/host_session.h"
 #include "host/scene_record.h"
 #include "plan/plan_trace.h"
-#include "record/recording_embed.h"
 #include "record/plan_text.h"
+#include "record/recording_embed.h"
 #include "record/run_trace.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
@@ -190,10 +190,11 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
             printf(" %s", dpt_device_reason_name(left));
         putchar('\n');
     }
-    printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n", session->host.counts.contacts,
-           1e3 * session->host.counts.depth_max, session->host.counts.force_max);
+    printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
+           session->host.counts.contacts, 1e3 * session->host.counts.depth_max, session->host.counts.force_max);
     if (session->host.counts.unknown)
-        printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->host.counts.unknown, session->host.budget);
+        printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->host.counts.unknown,
+               session->host.budget);
     run_puts_print(&session->host.counts.puts, 0);
     print_coupling(session);
     curved_tips_print_error(stdout, &session->host.scene.curved, scene_tip_error(&session->host.scene));
@@ -349,9 +350,10 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
         return 2;
     if (couple(session, settings, &info) || define_loop(session, settings, &info, &def, &seconds))
         return 2;
-    const struct scene_hand hand = {
-        .device = device, .name = settings->device, .rate = session->host.rate, .force_max = session->host.guard.force_max
-    };
+    const struct scene_hand hand = { .device = device,
+                                     .name = settings->device,
+                                     .rate = session->host.rate,
+                                     .force_max = session->host.guard.force_max };
     if (!def.ticks)
         hint_at_clock(device, &info);
     def.guard = &session->host.guard;

@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "base/vec3.h"
-#include "host/force_options.h"
 #include "clock.h"
+#include "host/force_options.h"
 
 double uniform(uint64_t *seed, double low, double high)
 {

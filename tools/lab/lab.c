@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "shape/mesh_size.h"
 #include "host/shape.h"
+#include "shape/mesh_size.h"
 
 const char *lab_method_name(int method)
 {

@@ -9,12 +9,12 @@
 #include "cli/command_options.h"
 #include "cli/force_check.h"
 #include "cli/scene_command.h"
-#include "measure/measure_setting.h"
-#include "record/recording_file.h"
-#include "host/scene_record.h"
-#include "record/plan_text.h"
 #include "host/scene_list.h"
+#include "host/scene_record.h"
 #include "host/scene_trouble.h"
+#include "measure/measure_setting.h"
+#include "record/plan_text.h"
+#include "record/recording_file.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpr [SCENE.json|MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"
@@ -160,8 +160,8 @@ int replay_recording(int argc, char **argv)
     struct comparison_of_records compared = { .path = operand[0] };
     status = recording_open(&recording, "replay", operand[0]);
     if (status == 0)
-        status =
-            text ? complain_of("replay", scene_text_read(text, operand[0], recording.text, &error), &error) : complain("replay", "memory ran out");
+        status = text ? complain_of("replay", scene_text_read(text, operand[0], recording.text, &error), &error)
+                      : complain("replay", "memory ran out");
     if (status == 0)
         status = recording_scene_open(&scene, "replay", operand[0], text, operands > 1 ? operand[1] : NULL, tool);
     if (status == 0) {

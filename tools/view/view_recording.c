@@ -7,11 +7,11 @@
 
 #include "cli/command_options.h"
 #include "dynpoint/snapshot.h"
+#include "host/scene_list.h"
+#include "host/scene_record.h"
+#include "host/scene_trouble.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
-#include "host/scene_record.h"
-#include "host/scene_list.h"
-#include "host/scene_trouble.h"
 #include "view/view_scene.h"
 
 #define FRAME_SECONDS (1.0 / 60.0)
@@ -188,8 +188,9 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     char why[256 + SCENE_TROUBLE_BYTES] = "";
     int status = recording_open(&recording, "view", files->recording);
     if (status == 0)
-        status = text && filming ? complain_of("view", scene_text_read(text, files->recording, recording.text, &error), &error)
-                                 : complain("view", "memory ran out");
+        status = text && filming
+                     ? complain_of("view", scene_text_read(text, files->recording, recording.text, &error), &error)
+                     : complain("view", "memory ran out");
     if (status == 0)
         status = check_mesh(files, text);
     if (status == 0)
