@@ -38,8 +38,8 @@ typedef struct dpt_host dpt_host;
  * What a call has to say to a person, in one line.
  *   code   what the call returned
  *   text   after a failure, the file, its place and the reason. After a success, what a person should know, as that the
- *          coupling is softer than was asked for, and why; or "" for nothing. What a cure is called there are options of
- *          `dynpoint run`, as --unstable for DPT_HOST_FLAG_UNSTABLE
+ *          coupling is softer than was asked for, and why; or "" for nothing. A cure that it names is an option of
+ *          `dynpoint run`, as --unstable, which is DPT_HOST_FLAG_UNSTABLE here
  */
 typedef struct dpt_host_error {
     uint32_t size; /* sizeof(dpt_host_error), set by the caller */
