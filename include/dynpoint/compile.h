@@ -71,7 +71,9 @@ typedef struct dpt_spring_region {
  * with `bending`, also between the corners opposite any other edge of two triangles. A triangle of area A gives each of
  * its springs young * thickness * A / length^2, and 3/4 of that if it has four of them. Springs of a volume: the edges
  * and face diagonals of the lattice's cells, each cell counted by the share of it that is inside, at least 1/16.
- * Poisson's ratio is 1/3 in a sheet and 1/4 in a volume. No other can be had from springs.
+ * Poisson's ratio is 1/3 in a sheet, and 1/4 in a volume of springs alone. With another one, cells of a volume have a
+ * term for their volume beside the springs; that also turns back cells that were turned inside out, makes the stable
+ * step shorter, and the file of format 7.
  *
  * Where regions overlap, the last one counts. A triangle or cell has the material at its centroid, a node the drag at
  * its own place. In a volume, a vertex is fixed by fixing the nodes that it follows.
@@ -90,6 +92,7 @@ typedef struct dpt_spring_net_def {
     const uint32_t *fixed;            /* fixed_count vertices, by their number in the source */
     uint32_t region_count;
     uint32_t fixed_count;
+    double poisson; /* Poisson's ratio of a volume, 0.1 to 0.45; default 0.25: springs alone. Not for a sheet */
 } dpt_spring_net_def;
 
 /* Fill in the defaults of the first `size` bytes; the kind stays 0. Call dpt_spring_net_def_init. */

@@ -99,7 +99,7 @@ typedef struct dpt_mesh_info {
     uint32_t fixed_nodes;    /* nodes that do not move */
     double viscosity;        /* s: the damping of a spring is that times its stiffness */
     double spring_mass;      /* of the body, kg: fixed nodes counted as if they were free */
-    double poisson;          /* Poisson's ratio of the net: 1/3 of a sheet, 1/4 of a volume */
+    double poisson;          /* Poisson's ratio: 1/3 of a sheet, 0.1 to 0.45 of a volume */
     double stable_step;      /* largest stable step of symplectic Euler without damping, s; a bound */
 } dpt_mesh_info;
 

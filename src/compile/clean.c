@@ -39,6 +39,8 @@ void model_free(struct model *model)
     free(model->spring_ends);
     free(model->spring_stiffness);
     free(model->spring_length);
+    free(model->cell_nodes);
+    free(model->cell_stiffness);
     memset(model, 0, sizeof *model);
 }
 

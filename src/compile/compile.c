@@ -213,7 +213,7 @@ static dpt_result take_springs(struct compile_call *call)
     const dpt_spring_net_def *given = call->def.springs;
     call->springs.size = sizeof call->springs;
     call->def.springs = &call->springs;
-    dpt_result result = sized_read(given, sizeof call->springs, &call->springs, sizeof call->springs);
+    dpt_result result = sized_read(given, SIZED_FIRST(dpt_spring_net_def, poisson), &call->springs, sizeof call->springs);
     if (result == DPT_E_UNSUPPORTED)
         return compile_fail(context, result, nowhere, "the def of the springs has newer fields");
     if (result != DPT_OK)

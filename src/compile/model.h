@@ -88,10 +88,14 @@ struct model {
     uint32_t *spring_ends;
     float *spring_stiffness;
     float *spring_length;
+    uint32_t *cell_nodes; /* of a lattice whose cells have a term for their volume; else NULL, and no cells */
+    float *cell_stiffness;
     uint32_t spring_nodes;
     uint32_t spring_count;
     uint32_t spring_entries;
     uint32_t fixed_nodes;
+    uint32_t cell_count;
+    double cell_size; /* m */
     double viscosity;
     double mass; /* kg */
     double poisson;

@@ -10,10 +10,13 @@
 #include "base/sized.h"
 #include "base/vec3.h"
 #include "compile/soup.h"
+#include "mesh/spring_net.h"
 
 static const source_location nowhere = { 0, 0 };
 
-static const dpt_spring_net_def spring_defaults = { .young = 5000.0, .density = 1000.0, .thickness = 1e-3 };
+static const dpt_spring_net_def spring_defaults = {
+    .young = 5000.0, .density = 1000.0, .thickness = 1e-3, .poisson = 0.25
+};
 
 void dpt_spring_net_def_defaults(dpt_spring_net_def *def, size_t size)
 {
@@ -50,6 +53,20 @@ dpt_result springs_check_region(const struct compile_context *context, const dpt
     return DPT_OK;
 }
 
+/* A sheet's Poisson's ratio is that of its springs, whatever the def's default says. */
+static dpt_result check_poisson(const struct compile_context *context, dpt_spring_net_def *def)
+{
+    const double usual = spring_defaults.poisson;
+    if (def->poisson == 0.0)
+        def->poisson = usual;
+    if (!(def->poisson >= CELL_POISSON_MIN && def->poisson <= CELL_POISSON_MAX))
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "Poisson's ratio must be %g to %g", CELL_POISSON_MIN,
+                            CELL_POISSON_MAX);
+    if (def->kind == DPT_NET_SHEET && def->poisson != usual)
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "Poisson's ratio of a sheet is 1/3, it cannot be chosen");
+    return DPT_OK;
+}
+
 dpt_result springs_check(const struct compile_context *context, dpt_spring_net_def *def)
 {
     const struct {
@@ -73,6 +90,7 @@ dpt_result springs_check(const struct compile_context *context, dpt_spring_net_d
         if (*numbers[i].value == 0.0)
             *numbers[i].value = numbers[i].usual;
     }
+    DPT_TRY(check_poisson(context, def));
     if ((def->region_count && !def->regions) || (def->fixed_count && !def->fixed))
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no regions or no fixed vertices");
     for (uint32_t i = 0; i < def->region_count; i++)
@@ -247,6 +265,9 @@ static dpt_result finish(struct net *net, struct model *model, const struct spri
     free(net->mass);
     free(net->is_used);
     free(net->shares);
+    free(net->cell_bound);
+    free(net->cell_nodes);
+    free(net->cell_stiffness);
     free(is_fixed);
     return result;
 }
@@ -258,7 +279,7 @@ static dpt_result lattice_net(struct net *net, struct model *model, soup *source
     net->node_count = lattice->node_count;
     net->rest = lattice->rest;
     net->grid = lattice->grid;
-    model->poisson = 0.25;
+    model->poisson = net->def->poisson;
     DPT_TRY(finish(net, model, lattice));
     model->spring_rest = lattice->rest;
     lattice->rest = NULL;

@@ -21,6 +21,11 @@ struct net {
     double *mass;        /* kg */
     struct spring_share *shares;
     size_t share_count, share_capacity;
+    double cell_size;   /* of a lattice, m */
+    double *cell_bound; /* 1 a node: what the volumes of its cells add to a row's sum, N/m; NULL: no cell has a term */
+    uint32_t *cell_nodes; /* as the file has them (spring_net.h) */
+    float *cell_stiffness;
+    uint32_t cell_count;
     uint8_t *is_used; /* of each region: 1 if it holds a part of the body */
     double square;    /* 1/s^2: no part of the net that has its own mass moves faster; 0: not known */
 };

@@ -387,23 +387,41 @@ static dpt_result each_cell(const struct spring_lattice *lattice, cell_work *wor
 struct cell_springs {
     struct net *net;
     double spacing;
+    double shear; /* modulus, by Young's */
 };
+
+/* Note a cell whose volume has a term; the lanes of a slice beyond it are its own corners, without stiffness. */
+static void note_cell(struct net *net, const uint32_t node[8], double stiffness)
+{
+    const uint32_t lane = net->cell_count % LANES, first = net->cell_count - lane;
+    for (uint32_t c = 0; c < 8; c++) {
+        for (uint32_t i = lane; i < LANES; i++)
+            net->cell_nodes[8 * (size_t)first + LANES * c + i] = node[c];
+        net->cell_bound[node[c]] += 3.0 * cell_bound(net->def->poisson) * stiffness;
+    }
+    net->cell_stiffness[net->cell_count++] = (float)stiffness;
+}
 
 /*
  * An edge is one of four cells', a face diagonal one of two cells'. With springs of k each, all cells full, a lattice
- * of spacing s is isotropic: both of Lame's constants are k / s. So k = 0.4 E s, and Poisson's ratio is 1/4.
+ * of spacing s is isotropic: both of Lame's constants are k / s. So k is the shear modulus times s, and Poisson's ratio
+ * is 1/4; what another one needs is in the terms of volumes.
  *
  * Of a cell by itself, each coordinate free at its corners, the largest eigenvalue of the stiffness is 3 k: corners
- * whose signs along two axes agree move one way, the others the other way.
+ * whose signs along two axes agree move one way, the others the other way. Face diagonals of b k more, for the volume,
+ * add 4 b k.
  */
 static dpt_result add_cell(void *context, const uint32_t node[8], const double centre[3], double share)
 {
     const struct cell_springs *cell = context;
     const double s = cell->spacing;
     const struct material material = spring_material(cell->net, centre);
-    const double stiffness = 0.4 * material.young * s * share;
+    const double stiffness = cell->shear * material.young * s * share;
     const double mass = material.density * s * s * s * share / 8.0;
-    cell->net->square = max_of(cell->net->square, 3.0 * stiffness / mass);
+    const double bound = cell->net->cell_bound ? 4.0 * cell_bound(cell->net->def->poisson) : 0.0;
+    cell->net->square = max_of(cell->net->square, (3.0 + bound) * stiffness / mass);
+    if (cell->net->cell_bound)
+        note_cell(cell->net, node, stiffness);
     for (uint32_t a = 0; a < 8; a++) {
         cell->net->mass[node[a]] += mass;
         for (uint32_t b = a + 1; b < 8; b++) {
@@ -418,7 +436,16 @@ static dpt_result add_cell(void *context, const uint32_t node[8], const double c
 
 dpt_result spring_lattice_springs(struct net *net, const struct spring_lattice *lattice)
 {
-    struct cell_springs cell = { net, lattice->spacing };
+    struct cell_springs cell = { net, lattice->spacing, 0.5 / (1.0 + net->def->poisson) };
+    if (net->def->poisson != 0.25) {
+        const uint32_t slices = mesh_slices(lattice->cell_count);
+        net->cell_size = lattice->spacing;
+        net->cell_bound = calloc(net->node_count, sizeof *net->cell_bound);
+        net->cell_nodes = calloc((size_t)slices, 8 * LANES * sizeof *net->cell_nodes);
+        net->cell_stiffness = calloc((size_t)slices, LANES * sizeof *net->cell_stiffness);
+        if (!net->cell_bound || !net->cell_nodes || !net->cell_stiffness)
+            return compile_fail(net->source->context, DPT_E_MEMORY, nowhere, "memory ran out");
+    }
     return each_cell(lattice, add_cell, &cell);
 }
 

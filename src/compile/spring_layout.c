@@ -192,6 +192,8 @@ static dpt_result fill_nodes(struct net *net, const struct rows *rows, struct mo
         model->fixed_nodes += is_fixed[v];
         for (uint32_t i = rows->row[v]; i < rows->row[v + 1]; i++)
             sum += (double)rows->stiffness[rows->spring[i]];
+        if (net->cell_bound)
+            sum += net->cell_bound[v];
         if (!is_fixed[v])
             omega2 = max_of(omega2, 2.0 * sum / (double)model->spring_mass[v]);
     }
@@ -222,6 +224,12 @@ static dpt_result lay_out(struct net *net, const struct rows *rows, struct model
     if (!model->spring_ends || !model->spring_stiffness || !model->spring_length)
         return DPT_E_MEMORY;
     fill_entries(net, rows, model);
+    model->cell_size = net->cell_size;
+    model->cell_count = net->cell_count;
+    model->cell_nodes = net->cell_nodes;
+    model->cell_stiffness = net->cell_stiffness;
+    net->cell_nodes = NULL;
+    net->cell_stiffness = NULL;
     return DPT_OK;
 }
 

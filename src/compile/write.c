@@ -68,9 +68,9 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
 {
     memcpy(mesh->magic, MESH_MAGIC, sizeof mesh->magic);
     mesh->byte_order = MESH_BYTE_ORDER;
-    mesh->version = MESH_VERSION;
-    mesh->header_bytes = mesh_header_bytes(MESH_VERSION);
-    mesh->section_count = mesh_section_count(MESH_VERSION);
+    mesh->version = model->cell_count ? MESH_VERSION : MESH_VERSION_PLAIN;
+    mesh->header_bytes = mesh_header_bytes(mesh->version);
+    mesh->section_count = mesh_section_count(mesh->version);
     mesh->writer_version = DPT_VERSION_NUMBER;
     mesh->triangles = model->triangle_count;
     mesh->vertices = model->vertex_count;
@@ -88,35 +88,41 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
     mesh->closed_components = model->closed_parts;
     mesh->inward_components = model->inward_parts;
     mesh->turned_triangles = model->turned_triangles;
-    mesh->tail = (struct mesh_tail){ .solid_components = model->solid_parts,
-                                     .cavities = model->cavities,
-                                     .winding_components = model->winding_parts,
-                                     .buried_components = model->buried_parts,
-                                     .crease_edges = model->crease_edges,
-                                     .normalless_vertices = model->normalless_vertices,
-                                     .crease = model->crease,
-                                     .self_intersections = model->self_intersections,
-                                     .self_intersections_more = model->self_intersections_more,
-                                     .nodes = model->node_count,
-                                     .outside_vertices = model->outside_vertices,
-                                     .outside_distance = model->outside_distance,
-                                     .spring_nodes = model->spring_nodes,
-                                     .springs = model->spring_count,
-                                     .spring_entries = model->spring_entries,
-                                     .fixed_nodes = model->fixed_nodes,
-                                     .viscosity = model->viscosity,
-                                     .spring_mass = model->mass,
-                                     .poisson = model->poisson,
-                                     .stable_step = model->stable_step };
-    memcpy(mesh->tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
+    struct mesh_tail tail = { .solid_components = model->solid_parts,
+                              .cavities = model->cavities,
+                              .winding_components = model->winding_parts,
+                              .buried_components = model->buried_parts,
+                              .crease_edges = model->crease_edges,
+                              .normalless_vertices = model->normalless_vertices,
+                              .crease = model->crease,
+                              .self_intersections = model->self_intersections,
+                              .self_intersections_more = model->self_intersections_more,
+                              .nodes = model->node_count,
+                              .outside_vertices = model->outside_vertices,
+                              .outside_distance = model->outside_distance,
+                              .spring_nodes = model->spring_nodes,
+                              .springs = model->spring_count,
+                              .spring_entries = model->spring_entries,
+                              .fixed_nodes = model->fixed_nodes,
+                              .viscosity = model->viscosity,
+                              .spring_mass = model->mass,
+                              .poisson = model->poisson,
+                              .stable_step = model->stable_step,
+                              .cell_size = model->cell_size,
+                              .cells = model->cell_count };
+    memcpy(tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
+    if (mesh->version == MESH_VERSION)
+        mesh->tail = tail;
+    else
+        memcpy((char *)mesh + mesh_tail_offset(MESH_VERSION_PLAIN), &tail, mesh_tail_bytes(MESH_VERSION_PLAIN));
     mesh->scale = source->context->scale;
     mesh->rounding = source->rounding;
 }
 
 static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
 {
-    uint64_t end = sizeof *mesh;
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+    uint64_t end = mesh->header_bytes;
+    for (int id = 0; id < MESH_SECTION_COUNT && id < (int)mesh->section_count; id++) {
         struct mesh_section *section = &mesh->section[id];
         mesh_section_name(id, section->name);
         section->offset = mesh_aligned(end);
@@ -261,6 +267,8 @@ static const void *content_of(const struct model *model, int id)
         [MESH_SPRING_ENDS] = model->spring_ends,
         [MESH_SPRING_STIFFNESS] = model->spring_stiffness,
         [MESH_SPRING_LENGTH] = model->spring_length,
+        [MESH_CELL_NODES] = model->cell_nodes,
+        [MESH_CELL_STIFFNESS] = model->cell_stiffness,
     };
     return content[id];
 }
@@ -272,7 +280,7 @@ static const void *content_of(const struct model *model, int id)
 static void seal_sections(void *context, size_t first, size_t end)
 {
     struct writing *writing = context;
-    for (int id = 0; id < MESH_SECTION_COUNT; id++) {
+    for (int id = 0; id < MESH_SECTION_COUNT && id < (int)writing->mesh.section_count; id++) {
         struct mesh_section *section = &writing->mesh.section[id];
         char *bytes = writing->bytes + section->offset;
         uint64_t middle = section->offset + section->bytes / 2;
@@ -288,10 +296,11 @@ static void seal_sections(void *context, size_t first, size_t end)
 
 static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
 {
+    const size_t bytes = mesh->header_bytes;
     int swap = !host_is_little();
     if (swap)
-        mesh_swap_header(mesh, MESH_VERSION);
-    uint32_t sum = crc32_of(crc, mesh, sizeof *mesh);
+        mesh_swap_header(mesh, mesh->version);
+    uint32_t sum = crc32_of(crc, mesh, bytes);
     if (swap)
         mesh_swap4(&sum, 1);
     mesh->header_crc32 = sum;
@@ -335,7 +344,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     mesh->source_hash = source_hash;
     set_sections(mesh, nodes);
 
-    const uint32_t threads = source->context->threads, winding = mesh->tail.winding_components;
+    const uint32_t threads = source->context->threads, winding = model->winding_parts;
     struct node_box *boxes = writing.boxes = compile_alloc(source->context, mesh->leaves, sizeof *boxes);
     struct winding_moment *moments = writing.leaf_moments =
         compile_alloc(source->context, winding ? mesh->leaves : 0, sizeof *moments);
@@ -357,8 +366,9 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     out->size = (size_t)mesh->bytes;
     crc32_init(&writing.crc);
     parallel_for(threads, out->size, SECTION_MIN, seal_sections, &writing);
+    const size_t header_bytes = mesh->header_bytes;
     seal_header(mesh, &writing.crc);
-    memcpy(bytes, mesh, sizeof *mesh);
+    memcpy(bytes, mesh, header_bytes);
     out->bytes = bytes;
     return DPT_OK;
 }

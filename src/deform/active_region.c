@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/lanes.h"
+#include "deform/cell_volume.h"
 
 /* At most this many neighbours are compared, to find repeats: in a lattice a slice has about 30. */
 enum { TOLD_APART = 64 };
@@ -61,6 +62,7 @@ void dpti_region_list(struct dpt_springs *springs)
     for (uint32_t slice = 0; slice < springs->net.slices; slice++)
         if (region->is_awake[slice])
             region->slices[region->count++] = slice;
+    dpti_cells_list(springs);
 }
 
 void dpti_region_begin(struct dpt_springs *springs)

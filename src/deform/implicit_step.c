@@ -2,6 +2,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "deform/cell_volume.h"
 #include "deform/loaded_step.h"
 #include "deform/spring_step.h"
 
@@ -43,7 +44,7 @@ void dpti_implicit_begin(struct dpt_springs *springs)
             const uint32_t node = LANES * slice + lane;
             double sum = 0.0;
             for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++)
-                sum += (double)net->stiffness[LANES * (size_t)entry + lane];
+                sum += (double)springs->bound.stiffness[LANES * (size_t)entry + lane];
             solve->systems[slice].mass[lane] = node < net->nodes ? net->mass[node] : 0.0f;
             solve->stiffness[node] = (float)(springs->def.stiffness * sum);
         }
@@ -63,6 +64,10 @@ static void open_account(struct dpt_springs *springs)
     for (uint32_t slice = 0; slice < springs->net.slices; slice++) {
         solve->energy[slice] = dpti_springs_elastic(springs, slice);
         solve->account += solve->energy[slice];
+    }
+    for (uint32_t slice = 0; slice < springs->net.cell_slices; slice++) {
+        springs->volumes.energy[slice] = dpti_cells_elastic(springs, slice);
+        solve->account += springs->volumes.energy[slice];
     }
 }
 
@@ -106,7 +111,7 @@ static void run_passes(struct dpt_springs *springs, float h, double norm)
         double lanes[LANES] = { 0.0 }, next[LANES] = { 0.0 };
         for (uint32_t i = 0; i < region->count; i++) {
             const size_t slice = region->slices[i];
-            kernel->spring_product(&springs->rows, (uint32_t)slice, scale, solve->systems[slice].diagonal,
+            kernel->spring_product(&springs->bound, (uint32_t)slice, scale, solve->systems[slice].diagonal,
                                    solve->direction, solve->product + SPRING_ROWS * slice, lanes);
         }
         const double curvature = spring_sum(lanes);
@@ -152,7 +157,7 @@ static double excess_by_way(struct dpt_springs *springs, const struct spring_tri
         }
     }
     for (uint32_t i = 0; i < region->count; i++)
-        springs->kernel.spring_product(&springs->rows, region->slices[i], (float)springs->def.stiffness, none,
+        springs->kernel.spring_product(&springs->bound, region->slices[i], (float)springs->def.stiffness, none,
                                        solve->direction, solve->product + SPRING_ROWS * (size_t)region->slices[i],
                                        lanes);
     return 0.5 * spring_sum(lanes);
@@ -170,11 +175,14 @@ static void solve_change(struct dpt_springs *springs, const struct spring_trial 
     for (uint32_t i = 0; i < region->count; i++)
         kernel->spring_aim(trial, from + region->slices[i], solve->systems + region->slices[i],
                            points + SPRING_POINTS * (size_t)region->slices[i]);
+    dpti_cells_pull_energy(springs, points);
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i], row = SPRING_ROWS * slice;
         double energy[LANES] = { 0.0 };
         kernel->spring_energy(&springs->rows, (uint32_t)slice, points, solve->force + row, energy);
         solve->energy[slice] = 0.25 * springs->def.stiffness * spring_sum(energy);
+        if (springs->net.cells)
+            dpti_cells_add(springs, (uint32_t)slice, solve->force + row);
         kernel->spring_begin(trial, from + slice, solve->force + row, load + row, solve->systems + slice,
                              solve->direction + SPRING_POINTS * slice, norm);
     }
@@ -203,6 +211,8 @@ static struct outcome take_change(struct dpt_springs *springs, const struct spri
     outcome.bound += spring_sum(bound);
     for (uint32_t slice = 0; slice < springs->net.slices; slice++)
         outcome.bound += solve->energy[slice];
+    for (uint32_t slice = 0; slice < springs->net.cell_slices; slice++)
+        outcome.bound += springs->volumes.energy[slice];
     return outcome;
 }
 
@@ -277,10 +287,10 @@ int dpti_implicit_neighbour(const struct implicit_step *step, uint32_t node, uin
     const double scale = (double)scale_of(springs, (float)step->h);
     for (; first + *entry < end; ++*entry) {
         const size_t at = LANES * (size_t)(first + *entry) + node % LANES;
-        if (!(springs->net.stiffness[at] > 0.0f))
+        if (!(springs->bound.stiffness[at] > 0.0f))
             continue;
         *other = springs->net.neighbour[at];
-        *response = ANSWER_REACH * scale * (double)springs->net.stiffness[at] *
+        *response = ANSWER_REACH * scale * (double)springs->bound.stiffness[at] *
                     (double)systems[node / LANES].per_diagonal[node % LANES] *
                     (double)systems[*other / LANES].per_diagonal[*other % LANES];
         ++*entry;
@@ -351,7 +361,7 @@ static void find_answer(struct implicit_step *step)
         const float *direction = solve->direction + SPRING_POINTS * slice;
         float *product = solve->product + SPRING_ROWS * slice;
         double lanes[LANES] = { 0.0 };
-        springs->kernel.spring_product(&springs->rows, (uint32_t)slice, scale, system->diagonal, solve->direction,
+        springs->kernel.spring_product(&springs->bound, (uint32_t)slice, scale, system->diagonal, solve->direction,
                                        product, lanes);
         for (uint32_t k = 0; k < SPRING_ROWS; k++)
             product[k] = (float)ANSWER_OWN * direction[4 * (k % LANES) + k / LANES] -

@@ -23,7 +23,8 @@ static inline vec3 spring_place(const struct spring_slice *state, uint32_t node)
 struct explicit_step {
     struct dpt_springs *springs;
     struct spring_motion motion;
-    uint32_t done; /* substeps */
+    uint32_t done;   /* substeps */
+    uint32_t pulled; /* slices that were awake when cells were asked what they pull in this substep; 0: not yet */
 };
 
 /* Begin a step of substeps of h seconds, however long they are. */
@@ -42,7 +43,7 @@ void dpti_explicit_undo(struct explicit_step *step, int is_taken);
  * the part of it by which the loads of the substep before had not moved them yet. Of a slice that sleeps: where it would
  * go if the load that it fell asleep with were gone.
  */
-void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
+void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
                            double slid[SPRING_ROWS]);
 
 /* Where a node is in the step so far, m, with what its floats have lost. */

@@ -39,6 +39,19 @@ struct spring_solve {
     double common[3];           /* m/s2: the common acceleration of all nodes awake in the last step, without drag */
 };
 
+/* The terms of cells' volumes (cell_volume.h); all 0 where there are none. */
+struct cell_volumes {
+    struct spring_cells cells;
+    float *pulls;     /* 4 points a cell, and one more that is zero */
+    uint32_t *places; /* 8 rows of 16 a slice of nodes: where their cells' pulls are */
+    uint32_t *first;  /* 1 a slice of cells and one more: its first in `slices` */
+    uint32_t *slices; /* those of its corners */
+    uint32_t *active; /* slices of cells with a corner that is awake, ascending */
+    uint32_t count;
+    float *bound; /* 16 an entry, N/m: stiffness of springs that are nowhere softer than springs and volumes together */
+    double *energy; /* of IMPLICIT, 1 a slice of cells, J: when it was last asked */
+};
+
 /* Which slices are stepped. */
 struct active_region {
     uint32_t *slices; /* those awake, ascending */
@@ -82,6 +95,8 @@ struct dpt_springs {
     dpt_springs_def def;
     struct kernel kernel;
     struct spring_rows rows;
+    struct spring_rows bound; /* the same, with the stiffness that bounds cells' terms as well */
+    struct cell_volumes volumes;
     double square;      /* 1/s2: a bound of all squared frequencies */
     double stable_step; /* s */
     double lead;        /* s: points are the nodes' positions after it; this models viscosity */

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "deform/cell_volume.h"
 #include "deform/loaded_step.h"
 
 static vec3 place_of(const struct spring_slice *state, uint32_t node)
@@ -79,6 +80,20 @@ void dpti_explicit_begin(struct explicit_step *step, struct dpt_springs *springs
         step->motion.gravity[k] = (float)springs->def.gravity[k];
 }
 
+/* What springs and cells do to a slice that is awake. */
+static void find_force(struct explicit_step *step, uint32_t slice, float force[SPRING_ROWS])
+{
+    struct dpt_springs *springs = step->springs;
+    const float *points = springs->points[springs->at];
+    springs->kernel.spring_forces(&springs->rows, slice, points, force);
+    if (!springs->net.cells)
+        return;
+    if (step->pulled != springs->region.count)
+        dpti_cells_pull(springs, points);
+    step->pulled = springs->region.count;
+    dpti_cells_add(springs, slice, force);
+}
+
 /* The state that the next substep begins with. */
 static const struct spring_slice *state_of(const struct explicit_step *step)
 {
@@ -90,19 +105,19 @@ int dpti_explicit_substep(struct explicit_step *step)
     struct dpt_springs *springs = step->springs;
     const struct active_region *region = &springs->region;
     const float *load = springs->loads[springs->loaded].force;
-    const float *points = springs->points[springs->at];
     const struct spring_slice *from = state_of(step);
     struct spring_slice *to = springs->state[1 - springs->now];
     float *next = springs->points[1 - springs->at], force[SPRING_ROWS];
     uint32_t bad = 0;
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i];
-        springs->kernel.spring_forces(&springs->rows, (uint32_t)slice, points, force);
+        find_force(step, (uint32_t)slice, force);
         bad |=
             springs->kernel.spring_move(&step->motion, springs->nodes + slice, force, load + SPRING_ROWS * slice,
                                         from + slice, to + slice, next + SPRING_POINTS * slice, region->square + slice);
     }
     springs->at = 1 - springs->at;
+    step->pulled = 0;
     step->done++;
     return !bad;
 }
@@ -151,7 +166,7 @@ vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node)
     return spring_place(state_of(step), node);
 }
 
-void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
+void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
                            double slid[SPRING_ROWS])
 {
     const struct dpt_springs *springs = step->springs;
@@ -167,7 +182,7 @@ void dpti_explicit_foresee(const struct explicit_step *step, uint32_t slice, dou
                 dpti_explicit_response(step, LANES * slice + i % LANES) * ((double)load[i] - (double)held[i]);
         return;
     }
-    springs->kernel.spring_forces(&springs->rows, slice, springs->points[springs->at], force);
+    find_force(step, slice, force);
     springs->kernel.spring_move(&step->motion, springs->nodes + slice, force, load, from, &to, points, &square);
     for (uint32_t i = 0; i < SPRING_ROWS; i++) {
         moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
@@ -190,8 +205,10 @@ enum { PASSES = 24 };
 #define VISCOUS 0.125
 
 /* The largest row of the stiffness, per mass (Gershgorin); a spring between two nodes that move counts twice. */
-static double largest_row(const struct spring_net *net, double stiffness, double contact)
+static double largest_row(const struct dpt_springs *springs)
 {
+    const struct spring_net *net = &springs->net;
+    const double stiffness = springs->def.stiffness, contact = springs->def.contact_stiffness;
     double largest = 0.0;
     for (uint32_t slice = 0; slice < net->slices; slice++)
         for (uint32_t lane = 0; lane < LANES && LANES * slice + lane < net->nodes; lane++) {
@@ -199,7 +216,7 @@ static double largest_row(const struct spring_net *net, double stiffness, double
             double sum = contact;
             for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++) {
                 const size_t at = LANES * (size_t)entry + lane;
-                const double k = stiffness * (double)net->stiffness[at];
+                const double k = stiffness * (double)springs->bound.stiffness[at];
                 sum += net->mass[net->neighbour[at]] > 0.0f ? 2.0 * k : k;
             }
             if (mass > 0.0 && sum > largest * mass)
@@ -245,7 +262,7 @@ static void accelerate(struct dpt_springs *springs, float scale)
     static const float none[LANES] = { 0.0f };
     double unused[LANES] = { 0.0 };
     for (uint32_t slice = 0; slice < springs->net.slices; slice++)
-        springs->kernel.spring_product(&springs->rows, slice, scale, none, springs->points[0],
+        springs->kernel.spring_product(&springs->bound, slice, scale, none, springs->points[0],
                                        springs->state[1][slice].x, unused);
     for (uint32_t slice = 0; slice < springs->net.slices; slice++)
         for (uint32_t i = 0; i < LANES; i++)
@@ -293,7 +310,7 @@ void dpti_springs_find_step(struct dpt_springs *springs)
 {
     const struct spring_net *net = &springs->net;
     const dpt_springs_def *def = &springs->def;
-    const double rows = largest_row(net, def->stiffness, def->contact_stiffness);
+    const double rows = largest_row(springs);
     const double told = def->stiffness * net->square + def->contact_stiffness * max_per_mass(net);
     use(springs, rows);
     if (def->integrator == DPT_INTEGRATOR_IMPLICIT)

@@ -7,6 +7,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "deform/active_region.h"
+#include "deform/cell_volume.h"
 #include "deform/loaded_step.h"
 #include "deform/spring_step.h"
 #include "deform/spring_vertices.h"
@@ -100,6 +101,20 @@ static void place_vertices(struct dpt_springs *springs, struct block *block)
     springs->contact.moved = take(block, springs->net.slices, 1);
 }
 
+static void place_volumes(struct dpt_springs *springs, struct block *block)
+{
+    const struct spring_net *net = &springs->net;
+    struct cell_volumes *volumes = &springs->volumes;
+    volumes->pulls = take(block, net->cell_slices * (uint64_t)CELL_PULLS + SPRING_POINTS, sizeof(float));
+    volumes->places = take(block, net->slices * (uint64_t)CELL_CORNERS, sizeof(uint32_t));
+    volumes->first = take(block, (uint64_t)net->cell_slices + 1, sizeof(uint32_t));
+    volumes->slices = take(block, dpti_cells_corner_slices(net), sizeof(uint32_t));
+    volumes->active = take(block, net->cell_slices, sizeof(uint32_t));
+    volumes->bound = take(block, LANES * (uint64_t)net->first[net->slices], sizeof(float));
+    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
+        volumes->energy = take(block, net->cell_slices, sizeof(double));
+}
+
 static void place(struct dpt_springs *springs, struct block *block)
 {
     const uint64_t slices = springs->net.slices;
@@ -126,6 +141,8 @@ static void place(struct dpt_springs *springs, struct block *block)
     region->held = take(block, slices * SPRING_ROWS, sizeof(float));
     if (springs->def.mesh)
         place_vertices(springs, block);
+    if (springs->net.cells)
+        place_volumes(springs, block);
     if (springs->def.integrator != DPT_INTEGRATOR_IMPLICIT)
         return;
     solve->systems = take(block, slices, sizeof *solve->systems);
@@ -197,9 +214,12 @@ dpt_result dpti_springs_create_net(void *block, size_t bytes, const dpt_springs_
     made->def = def;
     made->kernel = kernel;
     made->rows = (struct spring_rows){ net->first, net->neighbour, net->stiffness, net->length };
+    made->bound = made->rows;
     made->lead = net->viscosity;
     place(made, &rest);
     begin_masses(made);
+    if (net->cells)
+        dpti_cells_begin(made);
     dpti_springs_find_step(made);
     begin_nodes(made);
     if (def.mesh)
@@ -519,6 +539,8 @@ dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, d
     *elastic = 0.0;
     for (uint32_t slice = 0; slice < springs->net.slices; slice++)
         *elastic += dpti_springs_elastic(springs, slice);
+    for (uint32_t slice = 0; slice < springs->net.cell_slices; slice++)
+        *elastic += dpti_cells_elastic(springs, slice);
     *kinetic = dpti_springs_kinetic(springs);
     return DPT_OK;
 }

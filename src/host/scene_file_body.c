@@ -78,7 +78,7 @@ static void check_kind(struct json_reader *reader, const struct json_value *at, 
 static void read_material(struct scene_file_body *body, struct json_reader *reader, const struct json_value *at)
 {
     static const char *const keys[] = { "kind",      "young",   "density", "drag",    "viscosity",
-                                        "thickness", "bending", "spacing", "regions", NULL };
+                                        "thickness", "bending", "spacing", "poisson", "regions", NULL };
     static const char *const kinds[] = { "sheet", "volume", NULL };
     dpt_spring_net_def *springs = &body->listed.springs;
     if (!json_check_object(reader, at, keys))
@@ -91,6 +91,7 @@ static void read_material(struct scene_file_body *body, struct json_reader *read
     check_kind(reader, at, "thickness", kind == 0, "sheet");
     check_kind(reader, at, "bending", kind == 0, "sheet");
     check_kind(reader, at, "spacing", kind == 1, "volume");
+    check_kind(reader, at, "poisson", kind == 1, "volume");
     json_take_above(reader, at, "young", 1e12, &springs->young);
     json_take_above(reader, at, "density", 1e9, &springs->density);
     json_take_number(reader, at, "drag", 0.0, 1e9, &springs->drag);
@@ -98,6 +99,7 @@ static void read_material(struct scene_file_body *body, struct json_reader *read
     json_take_above(reader, at, "thickness", 1e6, &springs->thickness);
     json_take_number(reader, at, "bending", 0.0, 1e12, &springs->bending);
     json_take_above(reader, at, "spacing", 1e6, &springs->spacing);
+    json_take_number(reader, at, "poisson", 0.1, 0.45, &springs->poisson);
     const struct json_value regions = json_member(at, "regions");
     if (regions.value)
         read_regions(body, reader, &regions);

@@ -62,6 +62,13 @@
         sum = _mm256_add_pd(sum, WEIGHED(points, nodes, four, 3));                                                     \
         _mm_storeu_ps(to, _mm256_cvtpd_ps(sum));                                                                       \
     }
+/* Two corners of opposite cells at a node, as lanes x, y, z and 0. */
+#define CORNERS(pulls, at, i, k)                                                                                       \
+    _mm_sub_ps(_mm_loadu_ps((pulls) + (size_t)(at)[LANES * (k) + (i)]),                                                \
+               _mm_loadu_ps((pulls) + (size_t)(at)[LANES * (7 - (k)) + (i)]))
+#define KERNEL_CORNERS(pulls, at, i, to)                                                                               \
+    _mm_storeu_ps(to, _mm_add_ps(_mm_add_ps(CORNERS(pulls, at, i, 0), CORNERS(pulls, at, i, 1)),                       \
+                                 _mm_add_ps(CORNERS(pulls, at, i, 2), CORNERS(pulls, at, i, 3))));
 #include "kernel/kernel_body.h"
 #else
 typedef int kernel_avx2_is_for_another_machine;

@@ -5,6 +5,7 @@
  *     KERNEL_TARGET                its target attribute, or nothing
  *     KERNEL_OPEN(bound, limit)    the lanes whose bound does not exceed the limit, as bits; optional
  *     KERNEL_TAKE(points, at, x, y, z)   the points of 16 nodes, in lanes; optional
+ *     KERNEL_CORNERS(pulls, at, i, to)   the sum of what eight cells pull at a node; optional
  *     KERNEL_PUT(points, x, y, z)        the other way round, for 16 nodes that follow each other; optional
  *
  * The loops are straight-line code without calls, so that the compiler turns 16 iterations into vectors. No operation
@@ -566,5 +567,6 @@ KERNEL_TARGET uint32_t KERNEL(swept_triangles)(const float *restrict block, cons
 }
 
 #include "kernel/kernel_springs.h"
+#include "kernel/kernel_cells.h"
 #include "kernel/kernel_vertices.h"
 #include "kernel/kernel_winding.h"

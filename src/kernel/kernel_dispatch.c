@@ -83,7 +83,8 @@ uint32_t dpt_kernel_best(void)
             dpti_kernel_##set##_outside, dpti_kernel_##set##_spring_forces, dpti_kernel_##set##_spring_energy,         \
             dpti_kernel_##set##_spring_product, dpti_kernel_##set##_spring_move, dpti_kernel_##set##_spring_descend,   \
             dpti_kernel_##set##_spring_turn, dpti_kernel_##set##_spring_aim, dpti_kernel_##set##_spring_begin,         \
-            dpti_kernel_##set##_spring_end, dpti_kernel_##set##_spring_points, dpti_kernel_##set##_spring_follow       \
+            dpti_kernel_##set##_spring_end, dpti_kernel_##set##_spring_points, dpti_kernel_##set##_spring_follow,      \
+            dpti_kernel_##set##_cell_pulls, dpti_kernel_##set##_cell_energy, dpti_kernel_##set##_cell_forces           \
     }
 
 static const struct kernel scalar_kernel = KERNEL_TABLE(scalar);

@@ -152,6 +152,15 @@ typedef uint32_t kernel_outside(const float *positions, uint32_t groups, const f
  *   spring_points   the points of a slice: its nodes, `lead` s ahead of where they are
  *   spring_follow   where 16 vertices are, x, y, z each: the sum of four weighted points each, in double. A
  *                   number more is written
+ *
+ * Cells (docs/algorithms/springs.md, "Cells keep their volume"), 16 a slice. A cell pulls at its corners 0 to 3 with four
+ * points, and at corners 7 to 4 the other way.
+ *
+ *   cell_pulls      those of a slice of cells: four rows of 16 points
+ *   cell_energy     the same, and adds each cell's energy to its lane of sum[]
+ *   cell_forces     adds to the force of a slice of nodes what their cells pull. at: 8 rows of 16 numbers: where
+ *                   in all pulls the points of the cells are whose corner 0, 1, ... 7 a node is; a point that is zero
+ *                   where there is none
  */
 #define SPRING_SHORTEST 0.5f
 enum { SPRING_ROWS = 3 * LANES, SPRING_POINTS = 4 * LANES };
@@ -166,6 +175,24 @@ struct spring_rows {
 /* The state of a slice between steps: positions, their rounding remainders, speeds. */
 struct spring_slice {
     float x[SPRING_ROWS], rest[SPRING_ROWS], v[SPRING_ROWS];
+};
+
+/*
+ * Of a cell's volume, in units of that at rest. It is exact while the squares of the cell's mean edges, by their length
+ * at rest, sum up to no more than CELL_EXACT, and grows with the size alone where it has far outgrown CELL_MOST. Below
+ * CELL_TURNED the pressure grows by another slope.
+ */
+#define CELL_EXACT  3.375f
+#define CELL_MOST   4.125f
+#define CELL_TURNED 0.75f
+enum { CELL_CORNERS = 8 * LANES, CELL_PULLS = 4 * SPRING_POINTS };
+
+struct spring_cells {
+    const uint32_t *nodes;     /* 8 rows of 16 a slice of cells */
+    const float *stiffness;    /* 16 a slice: N/m */
+    float per_edges, quarter;  /* 1/m: 1 / four edges at rest; m: a quarter of one */
+    float slope, turned_slope; /* of the pressure over the volume, by the shear modulus */
+    float smallest, largest;   /* volumes beyond which the pressure is what it is there */
 };
 
 /* What stays the same in a slice: 1 / mass, 0 for a node that is fixed; drag, 1/s. */
@@ -219,6 +246,10 @@ typedef uint32_t kernel_spring_end(const struct spring_trial *trial, const struc
                                    struct spring_slice *to, double *bound, double *work, float *square);
 typedef void kernel_spring_points(const struct spring_slice *slice, float lead, float *points);
 typedef void kernel_spring_follow(const float *points, const uint32_t *nodes, const float *weights, float *to);
+typedef void kernel_cell_pulls(const struct spring_cells *cells, uint32_t slice, const float *points, float *pulls);
+typedef void kernel_cell_energy(const struct spring_cells *cells, uint32_t slice, const float *points, float *pulls,
+                                double *sum);
+typedef void kernel_cell_forces(const uint32_t *at, const float *pulls, float *force);
 
 struct kernel {
     kernel_cached *cached_boxes;
@@ -247,6 +278,9 @@ struct kernel {
     kernel_spring_end *spring_end;
     kernel_spring_points *spring_points;
     kernel_spring_follow *spring_follow;
+    kernel_cell_pulls *cell_pulls;
+    kernel_cell_energy *cell_energy;
+    kernel_cell_forces *cell_forces;
 };
 
 /* The widest kernel that every machine of this kind has. */
@@ -289,7 +323,10 @@ int dpti_kernel_get(uint32_t id, struct kernel *kernel, uint32_t *chosen);
     kernel_spring_begin dpti_kernel_##set##_spring_begin;                                                              \
     kernel_spring_end dpti_kernel_##set##_spring_end;                                                                  \
     kernel_spring_points dpti_kernel_##set##_spring_points;                                                            \
-    kernel_spring_follow dpti_kernel_##set##_spring_follow;
+    kernel_spring_follow dpti_kernel_##set##_spring_follow;                                                            \
+    kernel_cell_pulls dpti_kernel_##set##_cell_pulls;                                                                  \
+    kernel_cell_energy dpti_kernel_##set##_cell_energy;                                                                \
+    kernel_cell_forces dpti_kernel_##set##_cell_forces;
 KERNEL_DECLARE(scalar)
 KERNEL_DECLARE(sse2)
 KERNEL_DECLARE(avx2)

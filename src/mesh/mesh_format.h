@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 6: the single source of docs/format.md, of the compiler's writer and of the
+ * The layout of a .dpa file, version 7: the single source of docs/format.md, of the compiler's writer and of the
  * core's reader. `struct dpt_mesh` is the first bytes of a file of the newest version. An older file has fewer
  * sections, so the tail begins earlier, or is missing: read it by mesh_tail.
  *
@@ -22,7 +22,8 @@
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION            6u
+#define MESH_VERSION            7u
+#define MESH_VERSION_PLAIN      6u /* what a file without cells that have a term for their volume is written as */
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 leaves are more than 2^32 triangles fill */
 
@@ -44,6 +45,7 @@
 #define MESH_DAMPING_MAX        1e9f
 #define MESH_SLICE_ENTRIES_MAX  1024u
 #define MESH_SPRING_ENTRIES_MAX (UINT32_MAX / LANES)
+#define MESH_CELLS_MAX          (1u << 26)
 
 /* Rounding: how far the square of the stable step may exceed what the file's own numbers allow. */
 #define MESH_STEP_ROUNDING 1e-5
@@ -93,7 +95,9 @@
     X(MESH_SPRING_FIRST,  "spring_first")  /* 1 a slice and one more: its first entry           */ \
     X(MESH_SPRING_ENDS,   "spring_ends")   /* 16 nodes an entry: where its springs end          */ \
     X(MESH_SPRING_STIFFNESS, "spring_stiff")  /* 16 floats an entry: N/m                        */ \
-    X(MESH_SPRING_LENGTH, "spring_length") /* 16 floats an entry: m                             */
+    X(MESH_SPRING_LENGTH, "spring_length") /* 16 floats an entry: m                             */ \
+    X(MESH_CELL_NODES,    "cell_nodes")    /* 8 x 16 nodes a slice of cells: their corners      */ \
+    X(MESH_CELL_STIFFNESS, "cell_stiff")   /* 16 floats a slice of cells: N/m                   */
 /* clang-format on */
 
 #define MESH_SECTION_ID(id, name) id,
@@ -131,7 +135,7 @@ struct mesh_section {
 
 /*
  * What follows the section table: nothing in version 1, four words in version 2, up to the crease in version 3, up to
- * self_intersection in version 4, up to outside_distance in version 5.
+ * self_intersection in version 4, up to outside_distance in version 5, up to the stable step in version 6.
  */
 struct mesh_tail {
     uint32_t solid_components;
@@ -155,6 +159,8 @@ struct mesh_tail {
     double spring_mass;               /* kg, of all nodes as if none were fixed */
     double poisson;                   /* Poisson's ratio of the net; 0 if it is not known */
     double stable_step;               /* s: of symplectic Euler without damping (springs.md) */
+    double cell_size;                 /* m; 0 without cells */
+    uint64_t cells;                   /* of a lattice, with a term for their volume; else 0 */
 };
 
 /*
@@ -207,6 +213,7 @@ static inline uint32_t mesh_section_count(uint32_t version)
            : version == 2 ? MESH_NORMALS
            : version < 5  ? MESH_VERTEX_SOURCES
            : version == 5 ? MESH_SPRING_REST
+           : version == 6 ? MESH_CELL_NODES
                           : MESH_SECTION_COUNT;
 }
 
@@ -218,6 +225,7 @@ static inline size_t mesh_tail_bytes(uint32_t version)
            : version == 3 ? offsetof(struct mesh_tail, self_intersections)
            : version == 4 ? offsetof(struct mesh_tail, nodes)
            : version == 5 ? offsetof(struct mesh_tail, spring_nodes)
+           : version == 6 ? offsetof(struct mesh_tail, cell_size)
                           : sizeof(struct mesh_tail);
 }
 
@@ -291,6 +299,10 @@ static inline uint64_t mesh_spring_words(const struct mesh_tail *tail, int id)
         return nodes;
     case MESH_SPRING_FIRST:
         return (uint64_t)mesh_slices(tail->spring_nodes) + 1;
+    case MESH_CELL_NODES:
+        return 8 * LANES * (uint64_t)mesh_slices((uint32_t)tail->cells);
+    case MESH_CELL_STIFFNESS:
+        return LANES * (uint64_t)mesh_slices((uint32_t)tail->cells);
     default:
         return (uint64_t)tail->spring_entries * LANES;
     }
@@ -333,7 +345,9 @@ static inline uint64_t mesh_section_words(const struct dpt_mesh *mesh, int id, u
     case MESH_SPRING_FIRST:
     case MESH_SPRING_ENDS:
     case MESH_SPRING_STIFFNESS:
-    case MESH_SPRING_LENGTH: {
+    case MESH_SPRING_LENGTH:
+    case MESH_CELL_NODES:
+    case MESH_CELL_STIFFNESS: {
         const struct mesh_tail tail = mesh_tail(mesh);
         return mesh_spring_words(&tail, id);
     }
@@ -373,6 +387,12 @@ static inline int mesh_spring_net(const struct dpt_mesh *mesh, struct spring_net
     net->length = mesh_floats(mesh, MESH_SPRING_LENGTH);
     net->viscosity = tail.viscosity;
     net->square = 4.0 / (tail.stable_step * tail.stable_step);
+    net->cells = (uint32_t)tail.cells;
+    net->cell_slices = mesh_slices(net->cells);
+    net->cell_nodes = net->cells ? mesh_words(mesh, MESH_CELL_NODES) : NULL;
+    net->cell_stiffness = net->cells ? mesh_floats(mesh, MESH_CELL_STIFFNESS) : NULL;
+    net->cell_size = tail.cell_size;
+    net->poisson = tail.poisson;
     return 1;
 }
 

@@ -58,8 +58,8 @@ static int spring_counts_fit(const struct dpt_mesh *mesh)
 {
     const struct mesh_tail tail = mesh_tail(mesh);
     if (!tail.spring_nodes)
-        return !tail.springs && !tail.spring_entries && !tail.fixed_nodes;
-    return tail.spring_nodes == (tail.nodes ? tail.nodes : mesh->vertices) &&
+        return !tail.springs && !tail.spring_entries && !tail.fixed_nodes && !tail.cells;
+    return tail.cells <= MESH_CELLS_MAX && tail.spring_nodes == (tail.nodes ? tail.nodes : mesh->vertices) &&
            tail.spring_entries <= MESH_SPRING_ENTRIES_MAX && tail.fixed_nodes <= tail.spring_nodes;
 }
 
@@ -383,6 +383,36 @@ static dpt_result check_step(const struct dpt_mesh *mesh, const struct spring_ne
     return DPT_OK;
 }
 
+/* The diagonals of a cell's faces lead to its corners, and are springs. */
+static dpt_result check_corners(const struct dpt_mesh *mesh, const struct spring_net *net, uint32_t cell,
+                                dpt_mesh_fault *fault)
+{
+    const uint32_t first = 8 * LANES * (cell / LANES) + cell % LANES;
+    for (uint32_t a = 0; a < 8; a++)
+        for (uint32_t axes = 3; axes < 7; axes += axes == 3 ? 2 : 1) {
+            const uint32_t from = net->cell_nodes[first + LANES * a], to = net->cell_nodes[first + LANES * (a ^ axes)];
+            if (from == to || find_spring(net, from, to) == UINT32_MAX)
+                return fail_at(fault, DPT_E_INDEX, mesh, MESH_CELL_NODES, first + LANES * a);
+        }
+    return DPT_OK;
+}
+
+static dpt_result check_cells(const struct dpt_mesh *mesh, const struct spring_net *net, dpt_mesh_fault *fault)
+{
+    if (!net->cells)
+        return DPT_OK;
+    if (!(net->cell_size >= (double)MESH_SPRING_MIN && net->cell_size <= (double)MESH_SPRING_MAX) ||
+        !(net->poisson >= CELL_POISSON_MIN && net->poisson <= CELL_POISSON_MAX))
+        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, cell_size)), MESH_HEADER);
+    DPT_TRY(check_indices(mesh, MESH_CELL_NODES, net->nodes, 0, fault));
+    for (uint32_t cell = 0; cell < LANES * net->cell_slices; cell++)
+        if (cell < net->cells ? !is_spring_number(net->cell_stiffness[cell]) : net->cell_stiffness[cell] != 0.0f)
+            return fail_at(fault, DPT_E_FINITE, mesh, MESH_CELL_STIFFNESS, cell);
+    for (uint32_t cell = 0; cell < net->cells; cell++)
+        DPT_TRY(check_corners(mesh, net, cell, fault));
+    return DPT_OK;
+}
+
 static dpt_result check_springs(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)
 {
     struct spring_net net;
@@ -393,7 +423,8 @@ static dpt_result check_springs(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
     DPT_TRY(check_rows(mesh, &net, fault));
     DPT_TRY(check_spring_numbers(mesh, &net, fault));
     DPT_TRY(check_symmetry(mesh, &net, fault));
-    return check_step(mesh, &net, fault);
+    DPT_TRY(check_step(mesh, &net, fault));
+    return check_cells(mesh, &net, fault);
 }
 
 static dpt_result check_content(const struct dpt_mesh *mesh, dpt_mesh_fault *fault)

@@ -24,6 +24,42 @@ struct spring_net {
     const float *length;       /* 16 an entry: of the spring at rest, m */
     double viscosity;          /* s: the damping of a spring is that times its stiffness */
     double square;             /* 1/s^2: no squared frequency is higher, the file says; 0: it does not */
+    /* Cells whose volume has a term beside the springs, 16 a slice. A lane beyond the last has stiffness 0. */
+    uint32_t cells;              /* 0: there are none */
+    uint32_t cell_slices;        /* (cells + 15) / 16 */
+    const uint32_t *cell_nodes;  /* 8 rows of 16 a slice: corners of cubes; bit k of a corner's number is axis k */
+    const float *cell_stiffness; /* 16 a slice: shear modulus times size, N/m */
+    double cell_size;            /* of a cube's edge at rest, m */
+    double poisson;              /* Poisson's ratio, CELL_POISSON_MIN to CELL_POISSON_MAX */
 };
+
+/* Springs alone have a Poisson's ratio of 1/4. */
+#define CELL_POISSON_MIN 0.1
+#define CELL_POISSON_MAX 0.45
+
+/*
+ * How fast a cell's pressure grows with its volume, by the shear modulus: about its volume at rest, so that both Lame's
+ * constants are the material's; and where it is so small that it may turn inside out.
+ */
+static inline double cell_slope(double poisson)
+{
+    return 2.0 * poisson / (1.0 - 2.0 * poisson) - 1.0;
+}
+
+static inline double cell_turned_slope(double poisson)
+{
+    return cell_slope(poisson) > 2.0 ? cell_slope(poisson) : 2.0;
+}
+
+/*
+ * No direction of a cell's mean edges is stiffer than this times the second slope, in any configuration; springs along
+ * its face diagonals that are by `cell_bound` of its stiffness as stiff bound its term ("The stable step").
+ */
+#define CELL_STIFFEST 4.3
+
+static inline double cell_bound(double poisson)
+{
+    return 0.125 * CELL_STIFFEST * cell_turned_slope(poisson);
+}
 
 #endif

@@ -42,7 +42,8 @@ static const char help[] =
     "  --springs KIND  make masses and springs: sheet (in the surface) or volume (a lattice in the closed\n"
     "                  parts). Lengths in m, of the compiled mesh:\n"
     "                  --young PA (5000), --density KG/M3 (1000), --drag 1/S (0), --viscosity S (0);\n"
-    "                  of a sheet --thickness M (0.001), --bending PA (none); of a volume --spacing M\n"
+    "                  of a sheet --thickness M (0.001), --bending PA (none); of a volume --spacing M,\n"
+    "                  --poisson R (0.25, springs alone; 0.1 to 0.45)\n"
     "  --regions FILE  other materials, and what is fixed: lines `box X0 Y0 Z0 X1 Y1 Z1 E DENSITY DRAG`,\n"
     "                  `sphere X Y Z R E DENSITY DRAG`, or `fixed` in place of the last three\n"
     "  --fixed FILE    numbers of vertices of the source, from 0, that do not move\n"
@@ -297,6 +298,7 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
                                           { .name = "--thickness", .number = &springs->thickness },
                                           { .name = "--bending", .number = &springs->bending },
                                           { .name = "--spacing", .number = &springs->spacing },
+                                          { .name = "--poisson", .number = &springs->poisson },
                                           { .name = "--regions", .text = &springs->regions_path },
                                           { .name = "--fixed", .text = &springs->fixed_path },
                                           { .name = "--tool", .text = &settings->tool },

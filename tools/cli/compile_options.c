@@ -11,9 +11,14 @@
 
 void spring_options_init(struct spring_options *options)
 {
-    *options = (struct spring_options){
-        .young = NAN, .density = NAN, .drag = NAN, .viscosity = NAN, .thickness = NAN, .bending = NAN, .spacing = NAN
-    };
+    *options = (struct spring_options){ .young = NAN,
+                                        .density = NAN,
+                                        .drag = NAN,
+                                        .viscosity = NAN,
+                                        .thickness = NAN,
+                                        .bending = NAN,
+                                        .spacing = NAN,
+                                        .poisson = NAN };
     dpt_spring_net_def_init(&options->def);
 }
 
@@ -45,17 +50,18 @@ static int take_numbers(struct spring_options *options, const char *command)
     dpt_spring_net_def *def = &options->def;
     const struct {
         const char *name;
-        double given, *to, max;
+        double given, *to, min, max;
         uint32_t kind; /* the only one that has it; 0: both */
         int may_be_0;
     } numbers[] = {
-        { "--young", options->young, &def->young, 1e12, 0, 0 },
-        { "--density", options->density, &def->density, 1e9, 0, 0 },
-        { "--drag", options->drag, &def->drag, 1e9, 0, 1 },
-        { "--viscosity", options->viscosity, &def->viscosity, 1e9, 0, 1 },
-        { "--thickness", options->thickness, &def->thickness, 1e6, DPT_NET_SHEET, 0 },
-        { "--bending", options->bending, &def->bending, 1e12, DPT_NET_SHEET, 1 },
-        { "--spacing", options->spacing, &def->spacing, 1e6, DPT_NET_VOLUME, 0 },
+        { "--young", options->young, &def->young, 0.0, 1e12, 0, 0 },
+        { "--density", options->density, &def->density, 0.0, 1e9, 0, 0 },
+        { "--drag", options->drag, &def->drag, 0.0, 1e9, 0, 1 },
+        { "--viscosity", options->viscosity, &def->viscosity, 0.0, 1e9, 0, 1 },
+        { "--thickness", options->thickness, &def->thickness, 0.0, 1e6, DPT_NET_SHEET, 0 },
+        { "--bending", options->bending, &def->bending, 0.0, 1e12, DPT_NET_SHEET, 1 },
+        { "--spacing", options->spacing, &def->spacing, 0.0, 1e6, DPT_NET_VOLUME, 0 },
+        { "--poisson", options->poisson, &def->poisson, 0.1, 0.45, DPT_NET_VOLUME, 1 },
     };
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
         const double given = numbers[i].given;
@@ -65,8 +71,8 @@ static int take_numbers(struct spring_options *options, const char *command)
             return complain(command, "%s needs --springs", numbers[i].name);
         if (numbers[i].kind && numbers[i].kind != def->kind)
             return complain(command, "%s is not for --springs %s", numbers[i].name, options->kind);
-        if (!(given >= 0.0 && given <= numbers[i].max) || (given == 0.0 && !numbers[i].may_be_0))
-            return complain(command, "%s must be 0 to %g%s", numbers[i].name, numbers[i].max,
+        if (!(given >= numbers[i].min && given <= numbers[i].max) || (given == 0.0 && !numbers[i].may_be_0))
+            return complain(command, "%s must be %g to %g%s", numbers[i].name, numbers[i].min, numbers[i].max,
                             numbers[i].may_be_0 ? "" : ", and not 0");
         *numbers[i].to = given;
     }

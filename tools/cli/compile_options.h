@@ -11,7 +11,7 @@
 /* As given; NULL and NAN: not given. Begin with spring_options_init. */
 struct spring_options {
     const char *kind, *regions_path, *fixed_path;
-    double young, density, drag, viscosity, thickness, bending, spacing;
+    double young, density, drag, viscosity, thickness, bending, spacing, poisson;
     dpt_spring_net_def def;
     struct spring_regions regions;
 };
