@@ -38,16 +38,17 @@ uint64_t dpti_cells_corner_slices(const struct spring_net *net)
 static void begin_kernel(struct dpt_springs *springs)
 {
     const struct spring_net *net = &springs->net;
-    const double slope = cell_slope(net->poisson), turned = cell_turned_slope(net->poisson);
-    const double before = (double)CELL_TURNED - 1.0, growth = PRESSURE_MAX / fabs(slope);
+    const double slope = cell_slope(net->poisson), turn_slope = cell_turn_slope(net->poisson);
+    const double turn = cell_turn(net->poisson), growth = PRESSURE_MAX / fabs(slope);
     springs->volumes.cells = (struct spring_cells){
         .nodes = net->cell_nodes,
         .stiffness = net->cell_stiffness,
         .per_edges = (float)(0.25 / net->cell_size),
         .quarter = (float)(0.25 * net->cell_size),
         .slope = (float)slope,
-        .turned_slope = (float)turned,
-        .smallest = (float)((double)CELL_TURNED - (PRESSURE_MAX + slope * before) / turned),
+        .turn = (float)turn,
+        .turn_slope = (float)turn_slope,
+        .smallest = (float)(turn - (PRESSURE_MAX + slope * (turn - 1.0)) / turn_slope),
         .largest = (float)(growth < VOLUME_MAX ? 1.0 + growth : VOLUME_MAX),
     };
 }
@@ -182,17 +183,17 @@ double dpti_cells_elastic(const struct dpt_springs *springs, uint32_t slice)
 {
     const struct spring_net *net = &springs->net;
     const struct spring_cells *cells = &springs->volumes.cells;
-    const double slope = (double)cells->slope, turned = (double)cells->turned_slope;
-    const double before = (double)CELL_TURNED - 1.0;
+    const double slope = (double)cells->slope, turn_slope = (double)cells->turn_slope;
+    const double turn = (double)cells->turn, before = turn - 1.0;
     double sum = 0.0;
     for (uint32_t lane = 0; lane < LANES && LANES * slice + lane < net->cells; lane++) {
         const double volume = volume_of(springs, net->cell_nodes + CELL_CORNERS * (size_t)slice + lane);
         const double within = min_of(max_of(volume, (double)cells->smallest), (double)cells->largest);
-        const double above = max_of(within - (double)CELL_TURNED, 0.0),
-                     below = min_of(within - (double)CELL_TURNED, 0.0);
-        const double pressure = slope * (before + above) + turned * below;
+        const double above = max_of(within - turn, 0.0),
+                     below = min_of(within - turn, 0.0);
+        const double pressure = slope * (before + above) + turn_slope * below;
         sum += (double)net->cell_stiffness[LANES * (size_t)slice + lane] *
-               (0.5 * slope * (before + above) * (before + above) + (slope * before + 0.5 * turned * below) * below +
+               (0.5 * slope * (before + above) * (before + above) + (slope * before + 0.5 * turn_slope * below) * below +
                 pressure * (volume - within));
     }
     return springs->def.stiffness * net->cell_size * net->cell_size * sum;

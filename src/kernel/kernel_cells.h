@@ -42,9 +42,10 @@ KERNEL(cell_terms)(const struct spring_cells *restrict cells, uint32_t slice, co
     const uint32_t *at = cells->nodes + CELL_CORNERS * (size_t)slice;
     const float *stiffness = cells->stiffness + LANES * (size_t)slice;
     const float per = cells->per_edges, quarter = cells->quarter;
-    const float slope = cells->slope, turned = cells->turned_slope;
+    const float slope = cells->slope, turn_slope = cells->turn_slope;
+    const float turn = cells->turn, before = turn - 1.0f;
     const float smallest = cells->smallest, largest = cells->largest;
-    const float slack = CELL_MOST - CELL_EXACT, before = CELL_TURNED - 1.0f;
+    const float slack = CELL_MOST - CELL_EXACT;
     float x[8][LANES], y[8][LANES], z[8][LANES], px[4][LANES], py[4][LANES], pz[4][LANES];
 
     for (int corner = 0; corner < 8; corner++) {
@@ -65,8 +66,8 @@ KERNEL(cell_terms)(const struct spring_cells *restrict cells, uint32_t slice, co
         const float share = (CELL_MOST - slack * less) / reach;
         const float inward = 2.0f * whole * ((less * less - share) / reach);
         const float volume = share * whole, within = AT_MOST(AT_LEAST(volume, smallest), largest);
-        const float above = AT_LEAST(within - CELL_TURNED, 0.0f), below = AT_MOST(within - CELL_TURNED, 0.0f);
-        const float pressure = slope * (before + above) + turned * below;
+        const float above = AT_LEAST(within - turn, 0.0f), below = AT_MOST(within - turn, 0.0f);
+        const float pressure = slope * (before + above) + turn_slope * below;
         const float pull = stiffness[i] * quarter * pressure;
         const float along = pull * share, back = pull * inward;
         CELL_PULL(px, along * ux + back * ax, along * vx + back * bx, along * wx + back * cx)
@@ -74,7 +75,7 @@ KERNEL(cell_terms)(const struct spring_cells *restrict cells, uint32_t slice, co
         CELL_PULL(pz, along * uz + back * az, along * vz + back * bz, along * wz + back * cz)
         if (energy) {
             const float grown =
-                0.5f * slope * (before + above) * (before + above) + (slope * before + 0.5f * turned * below) * below;
+                0.5f * slope * (before + above) * (before + above) + (slope * before + 0.5f * turn_slope * below) * below;
             energy[i] = 16.0f * stiffness[i] * quarter * quarter * (grown + pressure * (volume - within));
         }
     }

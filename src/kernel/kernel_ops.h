@@ -179,19 +179,17 @@ struct spring_slice {
 
 /*
  * Of a cell's volume, in units of that at rest. It is exact while the squares of the cell's mean edges, by their length
- * at rest, sum up to no more than CELL_EXACT, and grows with the size alone where it has far outgrown CELL_MOST. Below
- * CELL_TURNED the pressure grows by another slope.
+ * at rest, sum up to no more than CELL_EXACT, and grows with the size alone where it has far outgrown CELL_MOST.
  */
 #define CELL_EXACT  3.375f
 #define CELL_MOST   4.125f
-#define CELL_TURNED 0.75f
 enum { CELL_CORNERS = 8 * LANES, CELL_PULLS = 4 * SPRING_POINTS };
 
 struct spring_cells {
     const uint32_t *nodes;     /* 8 rows of 16 a slice of cells */
     const float *stiffness;    /* 16 a slice: N/m */
     float per_edges, quarter;  /* 1/m: 1 / four edges at rest; m: a quarter of one */
-    float slope, turned_slope; /* of the pressure over the volume, by the shear modulus */
+    float slope, turn, turn_slope; /* of the pressure over the volume, by the shear modulus; the second below `turn` */
     float smallest, largest;   /* volumes beyond which the pressure is what it is there */
 };
 

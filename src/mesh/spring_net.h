@@ -39,16 +39,22 @@ struct spring_net {
 
 /*
  * How fast a cell's pressure grows with its volume, by the shear modulus: about its volume at rest, so that both Lame's
- * constants are the material's; and where it is so small that it may turn inside out.
+ * constants are the material's; and below cell_turn, faster: a material that hardly shrinks shrinks less, as springs do
+ * less the more they are pressed, and another one does not turn inside out.
  */
 static inline double cell_slope(double poisson)
 {
     return 2.0 * poisson / (1.0 - 2.0 * poisson) - 1.0;
 }
 
-static inline double cell_turned_slope(double poisson)
+static inline double cell_turn_slope(double poisson)
 {
-    return cell_slope(poisson) > 2.0 ? cell_slope(poisson) : 2.0;
+    return 1.25 * cell_slope(poisson) > 2.0 ? 1.25 * cell_slope(poisson) : 2.0;
+}
+
+static inline double cell_turn(double poisson)
+{
+    return 1.25 * cell_slope(poisson) > 2.0 ? 0.984375 : 0.75;
 }
 
 /*
@@ -59,7 +65,7 @@ static inline double cell_turned_slope(double poisson)
 
 static inline double cell_bound(double poisson)
 {
-    return 0.125 * CELL_STIFFEST * cell_turned_slope(poisson);
+    return 0.125 * CELL_STIFFEST * cell_turn_slope(poisson);
 }
 
 #endif

@@ -345,7 +345,7 @@ static void same_input_gives_same_bytes(void)
     char path[64];
     const double vertices[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 };
     const uint32_t corners[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
-    const size_t header = sizeof(struct dpt_mesh);
+    const size_t header = mesh_header_bytes(MESH_VERSION_PLAIN);
     struct source source = SOURCE(vertices, corners);
     dpt_compiled made[6];
     snprintf(path, sizeof path, "build/test_compile.%ld.obj", (long)getpid());

@@ -140,19 +140,49 @@ dpt_result net_reopen(struct made_net *net, const dpt_springs_def *def)
     return dpti_springs_create_net(net->block, bytes, def, &net->rows, &net->made);
 }
 
+static void make_cells(struct made_net *net);
+
 dpt_result net_open(struct made_net *net, const dpt_springs_def *def)
 {
     make_rows(net);
+    make_cells(net);
     return net_reopen(net, def);
 }
 
 void net_close(struct made_net *net)
 {
-    void *all[] = { net->links, net->degree, net->rest,      net->mass,      net->drag, net->list,
+    void *all[] = { net->corners, net->cell_stiffness, net->cell_nodes, net->cell_k, net->links, net->degree, net->rest,      net->mass,      net->drag, net->list,
                     net->first, net->length, net->neighbour, net->stiffness, net->block };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         free(all[i]);
     memset(net, 0, sizeof *net);
+}
+
+static void add_cell(struct made_net *net, const uint32_t corner[8], double k)
+{
+    net->corners = grown(net->corners, (size_t)net->cells + 1, sizeof *net->corners);
+    net->cell_stiffness = grown(net->cell_stiffness, (size_t)net->cells + 1, sizeof *net->cell_stiffness);
+    memcpy(net->corners[net->cells], corner, sizeof *net->corners);
+    net->cell_stiffness[net->cells++] = k;
+}
+
+static void make_cells(struct made_net *net)
+{
+    const uint32_t slices = (net->cells + LANES - 1) / LANES;
+    net->cell_nodes = grown(net->cell_nodes, 8 * LANES * ((size_t)slices + 1), sizeof *net->cell_nodes);
+    net->cell_k = grown(net->cell_k, LANES * ((size_t)slices + 1), sizeof *net->cell_k);
+    for (uint32_t i = 0; i < LANES * slices; i++) {
+        const uint32_t cell = i < net->cells ? i : net->cells - 1;
+        net->cell_k[i] = i < net->cells ? (float)net->cell_stiffness[i] : 0.0f;
+        for (uint32_t c = 0; c < 8; c++)
+            net->cell_nodes[8 * LANES * (i / LANES) + LANES * c + i % LANES] = net->corners[cell][c];
+    }
+    net->rows.cells = net->cells;
+    net->rows.cell_slices = slices;
+    net->rows.cell_nodes = net->cell_nodes;
+    net->rows.cell_stiffness = net->cell_k;
+    net->rows.cell_size = net->cell_size;
+    net->rows.poisson = net->poisson;
 }
 
 /* What a cube gives to each of its pairs of corners, which are numbered by bits: x 1, y 2, z 4. */
@@ -169,6 +199,9 @@ static void add_cube(struct made_net *net, const uint32_t corner[8], double k)
 void net_block(struct made_net *net, uint32_t nx, uint32_t ny, uint32_t nz, double s, double e, double density)
 {
     const uint32_t from = net->nodes;
+    const int has_cells = net->poisson > 0.0 && net->poisson != 0.25;
+    const double k = has_cells ? 0.5 / (1.0 + net->poisson) * e * s : 0.4 * e * s;
+    net->cell_size = s;
     for (uint32_t z = 0; z < nz; z++)
         for (uint32_t y = 0; y < ny; y++)
             for (uint32_t x = 0; x < nx; x++) {
@@ -182,7 +215,9 @@ void net_block(struct made_net *net, uint32_t nx, uint32_t ny, uint32_t nz, doub
                 uint32_t corner[8];
                 for (uint32_t i = 0; i < 8; i++)
                     corner[i] = from + (x + (i & 1)) + nx * ((y + (i >> 1 & 1)) + ny * (z + (i >> 2)));
-                add_cube(net, corner, 0.4 * e * s);
+                add_cube(net, corner, k);
+                if (has_cells)
+                    add_cell(net, corner, k);
             }
 }
 
@@ -241,4 +276,117 @@ double *net_matrix(const struct made_net *net)
             }
     }
     return matrix;
+}
+
+static double triple(const double a[3], const double b[3], const double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+double net_cell_energy(const struct made_net *net, uint32_t cell, const double x[24])
+{
+    const double nu = net->poisson, s = net->cell_size, slope = 2.0 * nu / (1.0 - 2.0 * nu) - 1.0;
+    const double steep = slope > 1.6 ? 1.25 * slope : 2.0, turn = slope > 1.6 ? 63.0 / 64.0 : 0.75;
+    const double at_turn = (turn - 1.0) * slope;
+    double edge[3][3] = { { 0.0 } }, size = 0.0;
+    for (int c = 0; c < 8; c++)
+        for (int axis = 0; axis < 3; axis++)
+            for (int k = 0; k < 3; k++)
+                edge[axis][k] += (c >> axis & 1 ? 1.0 : -1.0) * x[3 * c + k] / (4.0 * s);
+    for (int i = 0; i < 9; i++)
+        size += edge[i / 3][i % 3] * edge[i / 3][i % 3];
+    const double felt = size <= 3.375 ? size : 4.125 - 0.75 * 0.75 / (size - 2.625);
+    const double v = (size > 0.0 ? felt / size : 1.0) * triple(edge[0], edge[1], edge[2]);
+    /* The pressure is straight from where it is -2 to the turn, from there to 1, and on to where it is 2 or -2. */
+    const double low = turn - (2.0 + at_turn) / steep, high = 1.0 + 2.0 / fabs(slope);
+    double sum = 0.0;
+    if (v > high)
+        sum = 0.5 * slope * (high - 1.0) * (high - 1.0) + slope * (high - 1.0) * (v - high);
+    else if (v >= turn)
+        sum = 0.5 * slope * (v - 1.0) * (v - 1.0);
+    else {
+        const double from = v > low ? v : low;
+        sum = 0.5 * slope * (turn - 1.0) * (turn - 1.0) + at_turn * (from - turn) +
+              0.5 * steep * (from - turn) * (from - turn) - 2.0 * (v - from);
+    }
+    return net->cell_stiffness[cell] * s * s * sum;
+}
+
+static void corners_at(const struct made_net *net, uint32_t cell, const float *x, double to[24])
+{
+    for (size_t c = 0; c < 8; c++)
+        for (size_t k = 0; k < 3; k++)
+            to[3 * c + k] = (double)x[3 * (size_t)net->corners[cell][c] + k];
+}
+
+static void add_cell_force(const struct made_net *net, uint32_t cell, const float *x, double *force)
+{
+    const double by = 1e-5 * net->cell_size;
+    double at[24];
+    corners_at(net, cell, x, at);
+    for (size_t i = 0; i < 24; i++) {
+        const double here = at[i];
+        at[i] = here + by;
+        const double more = net_cell_energy(net, cell, at);
+        at[i] = here - by;
+        force[3 * (size_t)net->corners[cell][i / 3] + i % 3] -= (more - net_cell_energy(net, cell, at)) / (2.0 * by);
+        at[i] = here;
+    }
+}
+
+void net_forces(const struct made_net *net, const float *x, double *force)
+{
+    memset(force, 0, 3 * (size_t)net->nodes * sizeof *force);
+    for (uint32_t i = 0; i < net->springs; i++) {
+        const struct net_spring *spring = &net->list[i];
+        const size_t a = 3 * (size_t)spring->a, b = 3 * (size_t)spring->b;
+        double d[3], square = 0.0;
+        for (size_t k = 0; k < 3; k++)
+            d[k] = (double)x[b + k] - (double)x[a + k], square += d[k] * d[k];
+        for (size_t k = 0; k < 3; k++) {
+            const double pull = spring->stiffness * (sqrt(square) - spring->length) * d[k] / sqrt(square);
+            force[a + k] += pull;
+            force[b + k] -= pull;
+        }
+    }
+    for (uint32_t cell = 0; cell < net->cells; cell++)
+        add_cell_force(net, cell, x, force);
+}
+
+static void difference(const double x[24], int from, int to, double d[3])
+{
+    for (int k = 0; k < 3; k++)
+        d[k] = x[3 * to + k] - x[3 * from + k];
+}
+
+double net_cell_volume(const struct made_net *net, uint32_t cell, const float *x)
+{
+    /* Two triangles a face, wound outward. */
+    static const int face[6][4] = { { 0, 4, 6, 2 }, { 1, 3, 7, 5 }, { 0, 1, 5, 4 },
+                                    { 2, 6, 7, 3 }, { 0, 2, 3, 1 }, { 4, 5, 7, 6 } };
+    double at[24], sum = 0.0, a[3], b[3], c[3];
+    corners_at(net, cell, x, at);
+    for (int f = 0; f < 6; f++)
+        for (int half = 1; half < 3; half++) {
+            difference(at, 0, face[f][0], a);
+            difference(at, 0, face[f][half], b);
+            difference(at, 0, face[f][half + 1], c);
+            sum += triple(a, b, c) / 6.0;
+        }
+    return sum;
+}
+
+int net_cell_is_turned(const struct made_net *net, uint32_t cell, const float *x)
+{
+    double at[24], a[3], b[3], c[3];
+    corners_at(net, cell, x, at);
+    for (int corner = 0; corner < 8; corner++) {
+        const int turns = (corner & 1) ^ (corner >> 1 & 1) ^ (corner >> 2);
+        difference(at, corner, corner ^ 1, a);
+        difference(at, corner, corner ^ 2, b);
+        difference(at, corner, corner ^ 4, c);
+        if (!((turns ? -1.0 : 1.0) * triple(a, b, c) > 0.0))
+            return 1;
+    }
+    return 0;
 }

@@ -24,6 +24,12 @@ struct made_net {
     struct net_spring *list;
     uint32_t *links, *degree; /* of each node: its springs */
     double viscosity;
+    double poisson; /* of net_block, set before; 0: 1/4, springs alone */
+    uint32_t cells; /* with a term for their volume */
+    uint32_t (*corners)[8];
+    double *cell_stiffness, cell_size;
+    uint32_t *cell_nodes; /* as the file has them */
+    float *cell_k;
     uint32_t *first, *neighbour;
     float *stiffness, *length;
     struct spring_net rows;
@@ -44,8 +50,8 @@ void net_close(struct made_net *net);
 
 /*
  * A block of cubes with nx x ny x nz nodes, the first at the origin: every cube gives its edges a quarter, and the
- * diagonals of its faces a half, of 0.4 E s, and each of its corners an eighth of its mass. It is isotropic with the
- * Poisson ratio 1/4.
+ * diagonals of its faces a half, of the shear modulus times s, and each of its corners an eighth of its mass. It is
+ * isotropic with the Poisson ratio 1/4, or with another one by the terms of cells.
  */
 void net_block(struct made_net *net, uint32_t nx, uint32_t ny, uint32_t nz, double s, double e, double density);
 
@@ -55,6 +61,21 @@ const float *net_speeds(const struct made_net *net);
 
 /* Step, and complain if it fails. */
 void net_steps(struct made_net *net, double dt, uint32_t steps);
+
+/*
+ * J: the energy of the term of a cell's volume, in double: V (p d(v)) of docs/algorithms/springs.md. x: 8 corners, 3
+ * coordinates each.
+ */
+double net_cell_energy(const struct made_net *net, uint32_t cell, const double x[24]);
+
+/* N, 3 a node: what springs and cells do to nodes at these places; of cells by differences of their energy. */
+void net_forces(const struct made_net *net, const float *x, double *force);
+
+/* m3: a cell's volume between 12 triangles. */
+double net_cell_volume(const struct made_net *net, uint32_t cell, const float *x);
+
+/* Whether a cell is turned inside out at any of its eight corners. */
+int net_cell_is_turned(const struct made_net *net, uint32_t cell, const float *x);
 
 /* The stiffness matrix of 3 nodes x 3 coordinates at rest, in double, rows of fixed nodes zero; for free(). */
 double *net_matrix(const struct made_net *net);

@@ -17,7 +17,7 @@ static int is_long;
 
 static double stiffness_of(double patch, double cell, double poisson)
 {
-    const struct elastic_block block = { HALF, DEPTH, patch, cell, YOUNG, poisson };
+    const struct elastic_block block = { HALF, DEPTH, patch, cell, YOUNG, poisson, 0, 0 };
     return oracle_elastic_stiffness(&block);
 }
 
@@ -25,12 +25,12 @@ static double stiffness_of(double patch, double cell, double poisson)
 static void the_oracle_is_right(void)
 {
     const double cells[] = { 0.005, 0.0025, 0.00125, 0.000625 };
-    const struct elastic_block column = { 0.01, 0.01, 0.01, 0.0025, YOUNG, 0.0 };
+    const struct elastic_block column = { 0.01, 0.01, 0.01, 0.0025, YOUNG, 0.0, 0, 0 };
     /* Without Poisson's ratio a held face asks for nothing sideways: E A / depth, exactly. */
     const double uniform = oracle_elastic_stiffness(&column), area = 4.0 * 0.01 * 0.01;
     CHECK(fabs(uniform / (YOUNG * area / 0.01) - 1.0) < 1e-9, "%g N/m", uniform);
     /* A wide thin layer, 24 times as wide as deep, is nearly between walls. */
-    const struct elastic_block layer = { 0.03, 0.0025, 0.03, 0.00125, YOUNG, POISSON };
+    const struct elastic_block layer = { 0.03, 0.0025, 0.03, 0.00125, YOUNG, POISSON, 0, 0 };
     const double walls = YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
     const double wide = oracle_elastic_stiffness(&layer) / (walls * 0.06 * 0.06 / 0.0025);
     CHECK(wide < 1.0 && wide > 0.97, "%g of a layer between walls", wide);
@@ -50,18 +50,7 @@ static void the_oracle_is_right(void)
 static double force_above(const struct made_net *net, const float *x, double height, double *rest)
 {
     double *force = calloc(3 * (size_t)net->nodes, sizeof *force), sum = 0.0;
-    for (uint32_t i = 0; i < net->springs; i++) {
-        const struct net_spring *spring = &net->list[i];
-        const size_t a = 3 * (size_t)spring->a, b = 3 * (size_t)spring->b;
-        double d[3], square = 0.0;
-        for (size_t k = 0; k < 3; k++)
-            d[k] = (double)x[b + k] - (double)x[a + k], square += d[k] * d[k];
-        for (size_t k = 0; k < 3; k++) {
-            const double pull = spring->stiffness * (sqrt(square) - spring->length) * d[k] / sqrt(square);
-            force[a + k] += pull;
-            force[b + k] -= pull;
-        }
-    }
+    net_forces(net, x, force);
     *rest = 0.0;
     for (uint32_t i = 0; i < net->nodes; i++) {
         const double *f = force + 3 * (size_t)i;

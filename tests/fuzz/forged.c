@@ -21,7 +21,8 @@ enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 }
 enum { TRIANGLES_MAX = 512, COUNT_MAX = 1024, EDITS_MAX = 64 };
 
 /*
- * One leaf; with moments; several parts; a sheet; two levels of boxes; an embedding; springs of a sheet, of a volume.
+ * One leaf; with moments; several parts; a sheet; two levels of boxes; an embedding; springs of a sheet, of a volume, and
+ * of one whose cells keep it.
  */
 static const struct {
     const char *shape;
@@ -29,14 +30,16 @@ static const struct {
     size_t missing;
     int has_cells;
     uint32_t springs;
-} sources[] = { { "box", 12, 0, 0, 0 },
-                { "torus", 40, 2, 0, 0 },
-                { "box", 300, 13, 0, 0 },
-                { "cloth", 32, 0, 0, 0 },
-                { "hub", 270, 0, 0, 0 },
-                { "torus", 40, 0, 1, 0 },
-                { "cloth", 32, 0, 0, DPT_NET_SHEET },
-                { "box", 12, 0, 0, DPT_NET_VOLUME } };
+    double poisson;
+} sources[] = { { "box", 12, 0, 0, 0, 0.0 },
+                { "torus", 40, 2, 0, 0, 0.0 },
+                { "box", 300, 13, 0, 0, 0.0 },
+                { "cloth", 32, 0, 0, 0, 0.0 },
+                { "hub", 270, 0, 0, 0, 0.0 },
+                { "torus", 40, 0, 1, 0, 0.0 },
+                { "cloth", 32, 0, 0, DPT_NET_SHEET, 0.0 },
+                { "box", 12, 0, 0, DPT_NET_VOLUME, 0.0 },
+                { "box", 12, 0, 0, DPT_NET_VOLUME, 0.45 } };
 
 /* Two cells in five nodes, which hold a part of the torus. */
 static const double cell_nodes[] = { 0, 0, -0.3, 0.3, -0.2, 0.1, 0, 0.3, 0.1, -0.3, -0.2, 0.1, 0, 0, 0.4 };
@@ -53,7 +56,7 @@ static void make_bases(void)
     for (int i = 0; i < BASES; i++) {
         struct shape shape;
         shape_reason reason;
-        const dpt_spring_net_def springs = { .size = sizeof springs, .kind = sources[i].springs, .spacing = 0.04 };
+        const dpt_spring_net_def springs = { .size = sizeof springs, .kind = sources[i].springs, .spacing = 0.04, .poisson = sources[i].poisson };
         const dpt_compile_def def = { .size = sizeof def,
                                       .springs = sources[i].springs ? &springs : NULL,
                                       .nodes = cell_nodes,
@@ -75,8 +78,7 @@ static uint32_t word_at(const uint8_t *bytes)
 }
 
 /* The words of the header that an edit reaches: those before the section table, and the tail. */
-static const uint32_t table_begins = offsetof(struct dpt_mesh, section) / 4,
-                      tail_begins = offsetof(struct dpt_mesh, tail) / 4, tail_words = sizeof(struct mesh_tail) / 4;
+static const uint32_t table_begins = offsetof(struct dpt_mesh, section) / 4;
 
 /* What looks like a number, a count or a code, at the edges of what is allowed. */
 static uint32_t odd_word(uint32_t which)
@@ -88,18 +90,20 @@ static uint32_t odd_word(uint32_t which)
     return odd[which % (sizeof odd / sizeof *odd)];
 }
 
-static void edit(struct dpt_mesh *mesh, const uint8_t *change)
+/* version: what the mesh was compiled as. */
+static void edit(struct dpt_mesh *mesh, uint32_t version, const uint8_t *change)
 {
-    const uint32_t id = change[1] % (MESH_SECTION_COUNT + 1u), value = word_at(change + 4);
-    const int in_header = id == MESH_SECTION_COUNT;
+    const uint32_t sections = mesh_section_count(version);
+    const uint32_t id = change[1] % (sections + 1), value = word_at(change + 4);
+    const int in_header = id == sections;
     uint32_t *words = in_header ? (uint32_t *)(void *)mesh : (uint32_t *)mesh_words(mesh, (int)id);
     uint32_t count = in_header ? table_begins : (uint32_t)(mesh->section[id].bytes / 4);
     uint32_t at = (uint32_t)(change[2] | change[3] << 8);
     if (!count)
         return;
     if (in_header && at >= 0x8000) {
-        words += tail_begins;
-        count = tail_words;
+        words += mesh_tail_offset(version) / 4;
+        count = (uint32_t)(mesh_tail_bytes(version) / 4);
     }
     at %= count;
     switch (change[0] % 5) {
@@ -127,14 +131,15 @@ static uint32_t limited(uint32_t count, uint32_t least, uint32_t most)
 }
 
 /* Counts as they are where a file of that size can be had; all that follows from them. */
-static void repair_counts(struct dpt_mesh *header)
+static void repair_counts(struct dpt_mesh *header, uint32_t compiled_version)
 {
     uint32_t count[MESH_LEVELS_MAX + 1];
     uint64_t nodes, end;
     memcpy(header->magic, MESH_MAGIC, sizeof header->magic);
     header->byte_order = MESH_BYTE_ORDER;
     const uint32_t version = limited(header->version, 1, MESH_VERSION);
-    struct mesh_tail tail = header->tail;
+    struct mesh_tail tail = { .cells = 0 };
+    memcpy(&tail, (char *)header + mesh_tail_offset(compiled_version), mesh_tail_bytes(compiled_version));
     header->version = version;
     tail.nodes = limited(tail.nodes, 0, COUNT_MAX);
     tail.spring_entries = limited(tail.spring_entries, 0, COUNT_MAX);
@@ -152,6 +157,7 @@ static void repair_counts(struct dpt_mesh *header)
         tail.spring_nodes = tail.nodes ? tail.nodes : header->vertices;
     else
         tail.springs = tail.spring_entries = tail.fixed_nodes = 0;
+    tail.cells = tail.spring_nodes >= 8 ? limited((uint32_t)tail.cells, 0, COUNT_MAX) : 0;
     if (tail.fixed_nodes > tail.spring_nodes)
         tail.fixed_nodes = 0;
     header->leaves = (header->triangles + LANES - 1) / LANES;
@@ -170,12 +176,12 @@ static void repair_counts(struct dpt_mesh *header)
 }
 
 /* The old content over and over, or zeros. */
-static void take_content(struct dpt_mesh *mesh, const struct dpt_mesh *from)
+static void take_content(struct dpt_mesh *mesh, const struct dpt_mesh *from, uint32_t sections)
 {
     for (int id = 0; id < (int)mesh->section_count; id++) {
         uint32_t *to = (uint32_t *)mesh_words(mesh, id);
-        const uint32_t *old = mesh_words(from, id);
-        const size_t words = mesh->section[id].bytes / 4, have = from->section[id].bytes / 4;
+        const uint32_t *old = (uint32_t)id < sections ? mesh_words(from, id) : NULL;
+        const size_t words = mesh->section[id].bytes / 4, have = old ? from->section[id].bytes / 4 : 0;
         for (size_t i = 0; i < words; i++)
             to[i] = have ? old[i % have] : 0;
     }
@@ -370,6 +376,53 @@ static void repair_net_numbers(struct dpt_mesh *mesh)
     net.tail->stable_step = 1e-9;
 }
 
+/* The corners of cell c are words 128 (c / 16) + c % 16, and every 16th from there. */
+static int corners_are_wrong(const struct net *net, const uint32_t *corner)
+{
+    for (uint32_t a = 0; a < 8; a++)
+        for (uint32_t b = 0; b < 8; b++) {
+            const uint32_t from = corner[16 * a], to = corner[16 * b];
+            const int is_diagonal = (a ^ b) == 3 || (a ^ b) == 5 || (a ^ b) == 6;
+            if (is_diagonal && (from == to || word_to(net, from, to) == UINT32_MAX))
+                return 1;
+        }
+    return 0;
+}
+
+/* Indices that are too large become 0. Of cells that are not made good by that, none is: another word changes each time. */
+static void repair_cells(struct dpt_mesh *mesh)
+{
+    struct net net;
+    if (!net_of(mesh, &net) || !net.is.cells)
+        return;
+    uint32_t *corner = (uint32_t *)mesh_words(mesh, MESH_CELL_NODES);
+    for (uint32_t i = 0; i < 128 * net.is.cell_slices; i++)
+        if (corner[i] >= net.is.nodes)
+            corner[i] = 0;
+    for (uint32_t c = 0; c < net.is.cells; c++)
+        if (corners_are_wrong(&net, corner + 128 * (c / 16) + c % 16)) {
+            const uint32_t first = 128 * (c / 16) + c % 16, node = corner[first] ? 0 : 1;
+            for (uint32_t a = 0; a < 8; a++)
+                corner[first + 16 * a] = node;
+            return;
+        }
+}
+
+static void repair_cell_numbers(struct dpt_mesh *mesh)
+{
+    struct net net;
+    if (!net_of(mesh, &net) || !net.is.cells)
+        return;
+    float *stiffness = (float *)mesh_floats(mesh, MESH_CELL_STIFFNESS);
+    for (uint32_t c = 0; c < 16 * net.is.cell_slices; c++)
+        if (c < net.is.cells ? !is_number(stiffness[c]) : stiffness[c] != 0.0f)
+            stiffness[c] = c < net.is.cells ? 1.0f : 0.0f;
+    if (!(net.tail->poisson >= 0.1) || !(net.tail->poisson <= 0.45))
+        net.tail->poisson = 0.3;
+    if (!(net.tail->cell_size >= (double)1e-15f) || !(net.tail->cell_size <= (double)1e15f))
+        net.tail->cell_size = 1.0;
+}
+
 static void repair_indices(struct dpt_mesh *mesh)
 {
     uint32_t *first = (uint32_t *)mesh_words(mesh, MESH_FAN_FIRST);
@@ -394,6 +447,7 @@ static void repair_indices(struct dpt_mesh *mesh)
     if (mesh_tail(mesh).nodes)
         repair_words(mesh, MESH_EMBED_NODES, mesh_tail(mesh).nodes, 0);
     repair_net(mesh);
+    repair_cells(mesh);
     uint32_t *example = tail_field(mesh, offsetof(struct mesh_tail, self_intersection));
     if (mesh->version > 3 && (example[0] >= mesh->source_triangles || example[1] >= mesh->source_triangles))
         example[0] = example[1] = DPT_NONE;
@@ -448,6 +502,7 @@ static void repair_floats(struct dpt_mesh *mesh)
     if (mesh_tail(mesh).nodes)
         repair_weights(mesh);
     repair_net_numbers(mesh);
+    repair_cell_numbers(mesh);
     double *crease = tail_field(mesh, offsetof(struct mesh_tail, crease));
     if (mesh->version > 2 && !(*crease >= 0.0 && *crease <= 4.0))
         *crease = 0.0;
@@ -508,14 +563,15 @@ static struct dpt_mesh *forge(const uint8_t *bytes, size_t size, const struct cr
     struct dpt_mesh *edited = malloc(base->size), header = { .bytes = 0 };
     MUST(edited);
     memcpy(edited, base->bytes, base->size);
+    const uint32_t version = edited->version;
     for (size_t i = 0; i < EDITS_MAX && 2 + 8 * (i + 1) <= size; i++)
-        edit(edited, bytes + 2 + 8 * i);
+        edit(edited, version, bytes + 2 + 8 * i);
     memcpy(&header, edited, sizeof header);
-    repair_counts(&header);
+    repair_counts(&header, version);
     struct dpt_mesh *mesh = calloc(1, header.bytes);
     MUST(mesh);
     memcpy(mesh, &header, header.header_bytes);
-    take_content(mesh, edited);
+    take_content(mesh, edited, mesh_section_count(version));
     free(edited);
     if (bytes[1] & REPAIR_INDICES)
         repair_indices(mesh);

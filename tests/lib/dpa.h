@@ -56,6 +56,11 @@ static inline struct dpt_mesh header_of(const struct file *file)
     return header;
 }
 
+/* Of files without cells: how many sections they have, where a field of the tail is, where the header ends. */
+#define PLAIN_SECTIONS      ((int)mesh_section_count(MESH_VERSION_PLAIN))
+#define PLAIN_TAIL_AT(name) (mesh_tail_offset(MESH_VERSION_PLAIN) + offsetof(struct mesh_tail, name))
+#define PLAIN_HEADER        ((size_t)mesh_header_bytes(MESH_VERSION_PLAIN))
+
 /* By the version alone: other numbers may be forged. */
 size_t header_bytes_of(const struct dpt_mesh *header);
 

@@ -41,7 +41,8 @@ struct damage {
 };
 
 #define THERE    (-1)
-#define AT(name) (int64_t) offsetof(struct dpt_mesh, name)
+#define AT(name)   (int64_t) offsetof(struct dpt_mesh, name)
+#define TAIL(name) (int64_t) PLAIN_TAIL_AT(name)
 #define ENTRY(id, name)                                                                                                \
     (AT(section) + (id) * (int64_t)sizeof(struct mesh_section) + (int64_t)offsetof(struct mesh_section, name))
 
@@ -125,7 +126,7 @@ static void add_rows(const struct damage *rows, size_t count)
 /* What is no mesh file of this version and length. */
 static void add_header_rows(void)
 {
-    const int64_t size = (int64_t)wholes[PLAIN].size, header = sizeof(struct dpt_mesh);
+    const int64_t size = (int64_t)wholes[PLAIN].size, header = (int64_t)PLAIN_HEADER;
     const dpt_result layout = DPT_E_LAYOUT;
     const struct damage rows[] = {
         /* begin */
@@ -175,10 +176,10 @@ static void add_layout_rows(void)
         { PLAIN, SET, MESH_HEADER, ENTRY(4, bytes) + lower, 4, HEADER, layout, "fans", ENTRY(4, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(12, bytes) + lower, 0, HEADER, layout, "normals", ENTRY(12, name) },
         { PLAIN, SET, MESH_HEADER, ENTRY(4, reserved), 1, HEADER, layout, "fans", ENTRY(4, name) },
-        { PLAIN, SET, MESH_HEADER, AT(tail.nodes), 27, HEADER, layout, "embed_nodes", ENTRY(15, name) },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.nodes), 0, HEADER, layout, "embed_nodes", ENTRY(15, name) },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.nodes), 0x80000000, HEADER, layout, NULL, THERE },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_vertices), v + 1, HEADER, layout, NULL, AT(tail.nodes) },
+        { PLAIN, SET, MESH_HEADER, TAIL(nodes), 27, HEADER, layout, "embed_nodes", ENTRY(15, name) },
+        { EMBEDDED, SET, MESH_HEADER, TAIL(nodes), 0, HEADER, layout, "embed_nodes", ENTRY(15, name) },
+        { EMBEDDED, SET, MESH_HEADER, TAIL(nodes), 0x80000000, HEADER, layout, NULL, THERE },
+        { EMBEDDED, SET, MESH_HEADER, TAIL(outside_vertices), v + 1, HEADER, layout, NULL, TAIL(nodes) },
         { PLAIN, CUT, MESH_HEADER, 64, 0, HEADER, DPT_E_TRUNCATED, "vertex_sources", size - 64 },
         { PLAIN, GROW, MESH_HEADER, 64, 0, HEADER, layout, NULL, size },
         /* check_sections_crc */
@@ -188,16 +189,16 @@ static void add_layout_rows(void)
         { OLD, SET, MESH_LEAVES, 0, nan, AS_IT_IS, DPT_E_CHECKSUM, NULL, THERE },
         /* check_numbers: the upper halves of doubles, made infinite */
         { PLAIN, SET, MESH_HEADER, AT(box_max) + upper, 0x7ff00000, HEADER, finite, NULL, AT(scale) },
-        { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0x7ff00000, HEADER, finite, NULL, AT(tail.crease) },
-        { PLAIN, SET, MESH_HEADER, AT(tail.crease) + upper, 0xbff00000, HEADER, finite, NULL, AT(tail.crease) },
+        { PLAIN, SET, MESH_HEADER, TAIL(crease) + upper, 0x7ff00000, HEADER, finite, NULL, TAIL(crease) },
+        { PLAIN, SET, MESH_HEADER, TAIL(crease) + upper, 0xbff00000, HEADER, finite, NULL, TAIL(crease) },
         { OLD_4, SET, MESH_HEADER, 920 + upper, 0xbff00000, HEADER, finite, NULL, 920 },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0x7ff00000, HEADER, finite, NULL,
-          AT(tail.outside_distance) },
-        { EMBEDDED, SET, MESH_HEADER, AT(tail.outside_distance) + upper, 0xbff00000, HEADER, finite, NULL,
-          AT(tail.outside_distance) },
+        { EMBEDDED, SET, MESH_HEADER, TAIL(outside_distance) + upper, 0x7ff00000, HEADER, finite, NULL,
+          TAIL(outside_distance) },
+        { EMBEDDED, SET, MESH_HEADER, TAIL(outside_distance) + upper, 0xbff00000, HEADER, finite, NULL,
+          TAIL(outside_distance) },
         /* check_example: one of two, and a number that there is not */
-        { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection), 0, HEADER, index, NULL, THERE },
-        { PLAIN, SET, MESH_HEADER, AT(tail.self_intersection) + 4, t, HEADER, index, NULL, AT(tail.self_intersection) },
+        { PLAIN, SET, MESH_HEADER, TAIL(self_intersection), 0, HEADER, index, NULL, THERE },
+        { PLAIN, SET, MESH_HEADER, TAIL(self_intersection) + 4, t, HEADER, index, NULL, TAIL(self_intersection) },
         { OLD_4, SET, MESH_HEADER, 936, 0, HEADER, index, NULL, 936 },
     };
     add_rows(rows, sizeof rows / sizeof *rows);
@@ -267,25 +268,25 @@ static int64_t last_spring(enum whole of)
 static void add_spring_rows(void)
 {
     const struct dpt_mesh sheet = header_of(&wholes[SHEET]);
-    const uint32_t nan = bits_of(NAN), entries = sheet.tail.spring_entries;
+    const uint32_t nan = bits_of(NAN), entries = mesh_tail(&sheet).spring_entries;
     const int64_t upper = host_is_little() ? 4 : 0, last = last_spring(SHEET);
     const int64_t first_stiffness = (int64_t)sheet.section[MESH_SPRING_STIFFNESS].offset;
     const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE;
     const struct damage rows[] = {
         /* check_layout */
-        { PLAIN, SET, MESH_HEADER, AT(tail.springs), 1, HEADER, layout, NULL, AT(tail.spring_nodes) },
-        { SHEET, SET, MESH_HEADER, AT(tail.spring_nodes), 21, HEADER, layout, NULL, THERE },
-        { VOLUME, SET, MESH_HEADER, AT(tail.spring_nodes), 22, HEADER, layout, NULL, THERE },
-        { SHEET, SET, MESH_HEADER, AT(tail.fixed_nodes), 23, HEADER, layout, NULL, AT(tail.spring_nodes) },
-        { SHEET, SET, MESH_HEADER, AT(tail.spring_entries), 0x10000000, HEADER, layout, NULL, AT(tail.spring_nodes) },
-        { SHEET, SET, MESH_HEADER, AT(tail.spring_entries), 1, HEADER, layout, "spring_ends",
+        { PLAIN, SET, MESH_HEADER, TAIL(springs), 1, HEADER, layout, NULL, TAIL(spring_nodes) },
+        { SHEET, SET, MESH_HEADER, TAIL(spring_nodes), 21, HEADER, layout, NULL, THERE },
+        { VOLUME, SET, MESH_HEADER, TAIL(spring_nodes), 22, HEADER, layout, NULL, THERE },
+        { SHEET, SET, MESH_HEADER, TAIL(fixed_nodes), 23, HEADER, layout, NULL, TAIL(spring_nodes) },
+        { SHEET, SET, MESH_HEADER, TAIL(spring_entries), 0x10000000, HEADER, layout, NULL, TAIL(spring_nodes) },
+        { SHEET, SET, MESH_HEADER, TAIL(spring_entries), 1, HEADER, layout, "spring_ends",
           ENTRY(MESH_SPRING_ENDS, name) },
         /* check_nodes */
         { VOLUME, SET, MESH_SPRING_REST, 1, bits_of(2.01e6f), ALL, finite, NULL, THERE },
         { SHEET, SET, MESH_SPRING_MASS, 3, nan, ALL, finite, NULL, THERE },
         { SHEET, SET, MESH_SPRING_MASS, -1, bits_of(1e-16f), ALL, finite, NULL, THERE },
         { SHEET, SET, MESH_SPRING_DRAG, 7, bits_of(-0.5f), ALL, finite, NULL, THERE },
-        { SHEET, SET, MESH_SPRING_MASS, 2, 0, ALL, finite, "header", AT(tail.fixed_nodes) },
+        { SHEET, SET, MESH_SPRING_MASS, 2, 0, ALL, finite, "header", TAIL(fixed_nodes) },
         /* check_slices */
         { SHEET, SET, MESH_SPRING_FIRST, 1, entries + 1, ALL, index, NULL,
           (int64_t)sheet.section[MESH_SPRING_FIRST].offset + 8 },
@@ -305,15 +306,15 @@ static void add_spring_rows(void)
         { SHEET, SET, MESH_SPRING_ENDS, last, word_of(SHEET, MESH_SPRING_ENDS, last) + 1, ALL, index, NULL, THERE },
         { SHEET, SET, MESH_SPRING_STIFFNESS, 0, bits_of(0.5f), ALL, finite, NULL, THERE },
         { SHEET, SET, MESH_SPRING_LENGTH, 0, bits_of(0.5f), ALL, finite, "spring_stiff", first_stiffness },
-        { SHEET, SET, MESH_HEADER, AT(tail.springs), sheet.tail.springs + 1, HEADER, index, NULL, THERE },
+        { SHEET, SET, MESH_HEADER, TAIL(springs), mesh_tail(&sheet).springs + 1, HEADER, index, NULL, THERE },
         /* check_step: upper halves of doubles */
-        { SHEET, SET, MESH_HEADER, AT(tail.viscosity) + upper, 0x7ff00000, HEADER, finite, NULL, AT(tail.viscosity) },
-        { SHEET, SET, MESH_HEADER, AT(tail.spring_mass) + upper, 0xbff00000, HEADER, finite, NULL, AT(tail.viscosity) },
-        { SHEET, SET, MESH_HEADER, AT(tail.poisson) + upper, 0x3fe33333, HEADER, finite, NULL, AT(tail.viscosity) },
-        { SHEET, SET, MESH_HEADER, AT(tail.stable_step) + upper, 0xbff00000, HEADER, finite, NULL, AT(tail.viscosity) },
-        { SHEET, SET, MESH_HEADER, AT(tail.stable_step) + upper, 0x40000000, HEADER, finite, NULL,
-          AT(tail.stable_step) },
-        { VOLUME, SET, MESH_SPRING_MASS, 5, bits_of(1e-9f), ALL, finite, "header", AT(tail.stable_step) },
+        { SHEET, SET, MESH_HEADER, TAIL(viscosity) + upper, 0x7ff00000, HEADER, finite, NULL, TAIL(viscosity) },
+        { SHEET, SET, MESH_HEADER, TAIL(spring_mass) + upper, 0xbff00000, HEADER, finite, NULL, TAIL(viscosity) },
+        { SHEET, SET, MESH_HEADER, TAIL(poisson) + upper, 0x3fe33333, HEADER, finite, NULL, TAIL(viscosity) },
+        { SHEET, SET, MESH_HEADER, TAIL(stable_step) + upper, 0xbff00000, HEADER, finite, NULL, TAIL(viscosity) },
+        { SHEET, SET, MESH_HEADER, TAIL(stable_step) + upper, 0x40000000, HEADER, finite, NULL,
+          TAIL(stable_step) },
+        { VOLUME, SET, MESH_SPRING_MASS, 5, bits_of(1e-9f), ALL, finite, "header", TAIL(stable_step) },
     };
     add_rows(rows, sizeof rows / sizeof *rows);
 }

@@ -178,11 +178,11 @@ static void forged_headers_are_refused(void)
                               AT(bytes),
                               AT(byte_order),
                               AT(source_triangles),
-                              AT(tail.winding_components),
-                              AT(tail.nodes),
-                              AT(tail.spring_nodes),
-                              AT(tail.springs),
-                              AT(tail.spring_entries) };
+                              PLAIN_TAIL_AT(winding_components),
+                              PLAIN_TAIL_AT(nodes),
+                              PLAIN_TAIL_AT(spring_nodes),
+                              PLAIN_TAIL_AT(springs),
+                              PLAIN_TAIL_AT(spring_entries) };
     const uint32_t values[] = { 0, 1, 2, 599, 601, 0x7fffffff, 0x80000000, 0xfffffffe, UINT32_MAX };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         for (size_t k = 0; k < sizeof values / sizeof *values; k++) {
@@ -208,7 +208,7 @@ static void forged_tables_are_refused(void)
 {
     const struct dpt_mesh header = header_of(&large_file);
     const size_t entry = sizeof header.section[0], sum = offsetof(struct mesh_section, crc32);
-    for (int id = 0; id < MESH_SECTION_COUNT; id++)
+    for (int id = 0; id < PLAIN_SECTIONS; id++)
         for (size_t at = 0; at < entry; at++) {
             if (at >= sum && at < sum + 4)
                 continue;

@@ -31,19 +31,23 @@ static void make_element(const struct elastic_block *block, struct grid *grid)
 {
     const double mu = block->young / (2.0 * (1.0 + block->poisson));
     const double lambda = 2.0 * mu * block->poisson / (1.0 - 2.0 * block->poisson);
+    const double middle[3] = { 0.5, 0.5, 0.5 };
     const double place[2] = { 0.5 - sqrt(1.0 / 12.0), 0.5 + sqrt(1.0 / 12.0) };
     memset(grid->element, 0, sizeof grid->element);
     for (size_t point = 0; point < 8; point++) {
         const double at[3] = { place[point & 1], place[point >> 1 & 1], place[point >> 2] };
-        double g[CORNERS][3];
-        for (size_t i = 0; i < CORNERS; i++)
+        double g[CORNERS][3], swelling[CORNERS][3];
+        for (size_t i = 0; i < CORNERS; i++) {
             shape_gradient(i, at, g[i]);
+            shape_gradient(i, block->is_mean ? middle : at, swelling[i]);
+        }
         for (size_t i = 0; i < DOFS; i++)
             for (size_t j = 0; j < DOFS; j++) {
                 const double *a = g[i / 3], *b = g[j / 3];
                 const size_t k = i % 3, l = j % 3;
                 const double same = k == l ? a[0] * b[0] + a[1] * b[1] + a[2] * b[2] : 0.0;
-                grid->element[i][j] += 0.125 * block->cell * (lambda * a[k] * b[l] + mu * (a[l] * b[k] + same));
+                grid->element[i][j] += 0.125 * block->cell *
+                                       (lambda * swelling[i / 3][k] * swelling[j / 3][l] + mu * (a[l] * b[k] + same));
             }
     }
 }
@@ -111,7 +115,8 @@ static size_t cells_of(double length, double cell)
     return fabs(cells * cell - length) < 1e-9 * length ? (size_t)cells : 0;
 }
 
-double oracle_elastic_stiffness(const struct elastic_block *block)
+/* The force by the way of the patch; *bulge: how far the middle of a side moves. */
+static double solve_block(const struct elastic_block *block, double *bulge)
 {
     struct grid grid = { .across = cells_of(block->half, block->cell), .deep = cells_of(block->depth, block->cell) };
     const size_t patch = cells_of(block->patch, block->cell);
@@ -132,7 +137,7 @@ double oracle_elastic_stiffness(const struct elastic_block *block)
                     if (is_pushed)
                         u[at + 2] = -1.0;
                     if (is_pushed || z == 0)
-                        memset(grid.is_free + at, 0, 3);
+                        memset(grid.is_free + at + (block->slides ? 2 : 0), 0, block->slides ? 1 : 3);
                     if (x == 0)
                         grid.is_free[at] = 0;
                     if (y == 0)
@@ -144,8 +149,21 @@ double oracle_elastic_stiffness(const struct elastic_block *block)
         for (size_t y = 0; y <= patch; y++)
             for (size_t x = 0; x <= patch; x++)
                 force -= 4.0 * product[3 * node_at(&grid, x, y, grid.deep) + 2];
+        *bulge = u[3 * node_at(&grid, grid.across, 0, grid.deep / 2)];
     }
     free(grid.is_free);
     free(all);
     return force;
+}
+
+double oracle_elastic_stiffness(const struct elastic_block *block)
+{
+    double bulge;
+    return solve_block(block, &bulge);
+}
+
+double oracle_elastic_bulge(const struct elastic_block *block)
+{
+    double bulge = 0.0;
+    return solve_block(block, &bulge) > 0.0 ? bulge : 0.0;
 }

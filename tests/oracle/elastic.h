@@ -17,9 +17,18 @@
 struct elastic_block {
     double half, depth, patch, cell; /* m */
     double young, poisson;           /* Pa */
+    /*
+     * 1: an element's dilatation is its mean (the term of lambda by one point, that of mu by eight), so that a ratio near a
+     * half does not lock; 0: it is that of each point
+     */
+    int is_mean;
+    int slides; /* 1: patch and lower face are held along z alone */
 };
 
 /* N/m: the force on the patch by how far it is in. Negative: there is no memory, or the block is not whole cells. */
 double oracle_elastic_stiffness(const struct elastic_block *block);
+
+/* How far the middle of a side moves outward, by how far the patch is in. 0 for what cannot be solved. */
+double oracle_elastic_bulge(const struct elastic_block *block);
 
 #endif
