@@ -151,8 +151,9 @@ dpt_result net_open(struct made_net *net, const dpt_springs_def *def)
 
 void net_close(struct made_net *net)
 {
-    void *all[] = { net->corners, net->cell_stiffness, net->cell_nodes, net->cell_k, net->links, net->degree, net->rest,      net->mass,      net->drag, net->list,
-                    net->first, net->length, net->neighbour, net->stiffness, net->block };
+    void *all[] = { net->corners, net->cell_stiffness, net->cell_nodes, net->cell_k,    net->links,
+                    net->degree,  net->rest,           net->mass,       net->drag,      net->list,
+                    net->first,   net->length,         net->neighbour,  net->stiffness, net->block };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         free(all[i]);
     memset(net, 0, sizeof *net);

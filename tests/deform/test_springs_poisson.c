@@ -31,7 +31,7 @@ static void press(struct pressed *of, const struct elastic_block *block, double 
 {
     const double cell = block->cell;
     const uint32_t across = (uint32_t)(2.0 * block->half / cell + 1.5), deep = (uint32_t)(block->depth / cell + 1.5);
-    const uint32_t parts = 20;
+    const uint32_t parts = share > 0.02 ? 20 : 2;
     dpt_springs_def def;
     *of = (struct pressed){ .block = *block };
     struct made_net *net = &of->net;
@@ -53,7 +53,7 @@ static void press(struct pressed *of, const struct elastic_block *block, double 
             if (is_patch(of, i))
                 CHECK(dpt_springs_set_nodes(net->made, i, 1, at, NULL) == DPT_OK, "not pushed");
         }
-        net_steps(net, 2e-3, part < parts ? 4 : 250);
+        net_steps(net, 5e-3, part < parts ? 4 : 80);
     }
 }
 
@@ -87,23 +87,23 @@ static void the_oracle_is_right(void)
     }
     /* Where nothing locks, elements of both kinds have one limit, and means come from nearer to it. */
     struct elastic_block indented = { 0.03, 0.03, 0.005, 0.005, YOUNG, 0.45, 0, 0 };
-    double force[2][3];
+    double force[2][2];
     for (int mean = 0; mean < 2; mean++)
-        for (int finer = 0; finer < 3; finer++) {
+        for (int finer = 0; finer < 2; finer++) {
             indented.is_mean = mean;
-            indented.cell = 0.005 / (1 << finer);
+            indented.cell = 0.005 / (1 << (finer + is_long));
             force[mean][finer] = oracle_elastic_stiffness(&indented);
         }
-    const double limit[2] = { 2.0 * force[0][2] - force[0][1], 2.0 * force[1][2] - force[1][1] };
-    printf("    0.45, full: %.1f %.1f %.1f -> %.1f N/m; mean: %.1f %.1f %.1f -> %.1f\n", force[0][0], force[0][1],
-           force[0][2], limit[0], force[1][0], force[1][1], force[1][2], limit[1]);
+    const double limit[2] = { 2.0 * force[0][1] - force[0][0], 2.0 * force[1][1] - force[1][0] };
+    printf("    0.45, full: %.1f %.1f -> %.1f N/m; mean: %.1f %.1f -> %.1f\n", force[0][0], force[0][1], limit[0],
+           force[1][0], force[1][1], limit[1]);
     CHECK(fabs(limit[0] / limit[1] - 1.0) < 0.02, "limits %g and %g", limit[0], limit[1]);
 }
 
 static void an_indented_block_pushes_back(void)
 {
     const double ratios[] = { 0.1, 0.3, 0.45 }, cells[] = { 0.005, 0.0025, 0.00125 };
-    for (int i = 0; i < 3; i++) {
+    for (int i = is_long ? 0 : 1; i < 3; i++) {
         double error[3];
         for (int k = 0; k < (is_long ? 3 : 2); k++) {
             const struct elastic_block block = { 0.03, 0.03, 0.005, cells[k], YOUNG, ratios[i], 1, 0 };
@@ -134,7 +134,8 @@ static void a_pressed_block_bulges(void)
         double out = 0.0;
         for (uint32_t n = 0; n < net->nodes; n++) {
             const float *at = net->rest + 3 * (size_t)n;
-            if (fabs((double)at[0] - 0.04) < 1e-4 && fabs((double)at[1] - 0.02) < 1e-4 && fabs((double)at[2] - 0.02) < 1e-4)
+            if (fabs((double)at[0] - 0.04) < 1e-4 && fabs((double)at[1] - 0.02) < 1e-4 &&
+                fabs((double)at[2] - 0.02) < 1e-4)
                 out = (double)x[3 * (size_t)n] - (double)at[0];
         }
         const double bulge = out / (0.01 * 0.04), is = oracle_elastic_bulge(&fine);

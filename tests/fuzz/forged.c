@@ -56,7 +56,9 @@ static void make_bases(void)
     for (int i = 0; i < BASES; i++) {
         struct shape shape;
         shape_reason reason;
-        const dpt_spring_net_def springs = { .size = sizeof springs, .kind = sources[i].springs, .spacing = 0.04, .poisson = sources[i].poisson };
+        const dpt_spring_net_def springs = {
+            .size = sizeof springs, .kind = sources[i].springs, .spacing = 0.04, .poisson = sources[i].poisson
+        };
         const dpt_compile_def def = { .size = sizeof def,
                                       .springs = sources[i].springs ? &springs : NULL,
                                       .nodes = cell_nodes,

@@ -40,7 +40,7 @@ struct damage {
     int64_t byte;      /* THERE: of the word that was changed */
 };
 
-#define THERE    (-1)
+#define THERE      (-1)
 #define AT(name)   (int64_t) offsetof(struct dpt_mesh, name)
 #define TAIL(name) (int64_t) PLAIN_TAIL_AT(name)
 #define ENTRY(id, name)                                                                                                \
@@ -312,8 +312,7 @@ static void add_spring_rows(void)
         { SHEET, SET, MESH_HEADER, TAIL(spring_mass) + upper, 0xbff00000, HEADER, finite, NULL, TAIL(viscosity) },
         { SHEET, SET, MESH_HEADER, TAIL(poisson) + upper, 0x3fe33333, HEADER, finite, NULL, TAIL(viscosity) },
         { SHEET, SET, MESH_HEADER, TAIL(stable_step) + upper, 0xbff00000, HEADER, finite, NULL, TAIL(viscosity) },
-        { SHEET, SET, MESH_HEADER, TAIL(stable_step) + upper, 0x40000000, HEADER, finite, NULL,
-          TAIL(stable_step) },
+        { SHEET, SET, MESH_HEADER, TAIL(stable_step) + upper, 0x40000000, HEADER, finite, NULL, TAIL(stable_step) },
         { VOLUME, SET, MESH_SPRING_MASS, 5, bits_of(1e-9f), ALL, finite, "header", TAIL(stable_step) },
     };
     add_rows(rows, sizeof rows / sizeof *rows);
