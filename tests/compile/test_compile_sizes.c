@@ -87,8 +87,8 @@ static void structs_of_any_size(void)
         { "dpt_diag of an arm", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag_of_an_arm },
         { "dpt_diag of success", sizeof(dpt_diag), sizeof(dpt_diag), fill_diag_of_success },
     };
-    const struct sized springs = { "dpt_spring_net_def", sizeof(dpt_spring_net_def), sizeof(dpt_spring_net_def),
-                                   take_springs };
+    const struct sized springs = { "dpt_spring_net_def", offsetof(dpt_spring_net_def, poisson),
+                                   sizeof(dpt_spring_net_def), take_springs };
     dpt_compile_def good;
     dpt_compile_def_init(&good);
     dpt_spring_net_def good_springs;

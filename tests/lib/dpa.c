@@ -53,13 +53,23 @@ struct file file_of_embedded_shape(const char *name, uint64_t count)
     return file_of_compiled_shape(name, count, 0, &def);
 }
 
-struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind)
+static struct file file_of_springs(const char *name, uint64_t count, uint32_t kind, double poisson)
 {
     const dpt_spring_net_def springs = {
-        .size = sizeof springs, .kind = kind, .drag = 0.5, .viscosity = 0.001, .spacing = 0.05
+        .size = sizeof springs, .kind = kind, .drag = 0.5, .viscosity = 0.001, .spacing = 0.05, .poisson = poisson
     };
     const dpt_compile_def def = { .size = sizeof def, .springs = &springs };
     return file_of_compiled_shape(name, count, 0, &def);
+}
+
+struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind)
+{
+    return file_of_springs(name, count, kind, 0.0);
+}
+
+struct file file_of_bulging_shape(const char *name, uint64_t count, double poisson)
+{
+    return file_of_springs(name, count, DPT_NET_VOLUME, poisson);
 }
 
 uint32_t crc_of(const unsigned char *bytes, size_t size)
@@ -80,7 +90,8 @@ size_t header_bytes_of(const struct dpt_mesh *header)
            : header->version == 3 ? 928
            : header->version == 4 ? 944
            : header->version == 5 ? 1104
-                                  : 1488;
+           : header->version == 6 ? 1488
+                                  : 1600;
 }
 
 static int sections_of(const struct dpt_mesh *header)
@@ -89,7 +100,8 @@ static int sections_of(const struct dpt_mesh *header)
            : header->version == 2 ? 12
            : header->version < 5  ? 14
            : header->version == 5 ? 17
-                                  : 24;
+           : header->version == 6 ? 24
+                                  : 26;
 }
 
 void seal_header(struct file *file)

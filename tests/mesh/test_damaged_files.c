@@ -22,7 +22,7 @@
 
 static const char *reader = "src/mesh/mesh_open.c";
 
-enum whole { PLAIN, HOLED, EMBEDDED, SHEET, VOLUME, OLD, OLD_4, WHOLES };
+enum whole { PLAIN, HOLED, EMBEDDED, SHEET, VOLUME, CELLS, OLD, OLD_4, WHOLES };
 static struct file wholes[WHOLES];
 
 enum seal { AS_IT_IS, HEADER, ALL };
@@ -318,12 +318,35 @@ static void add_spring_rows(void)
     add_rows(rows, sizeof rows / sizeof *rows);
 }
 
+/* Cells with a term for their volume: a file of the newest version. */
+static void add_cell_rows(void)
+{
+    const dpt_result layout = DPT_E_LAYOUT, index = DPT_E_INDEX, finite = DPT_E_FINITE;
+    const uint32_t upper = host_is_little() ? 4 : 0, cells = (uint32_t)header_of(&wholes[CELLS]).tail.cells;
+    const int64_t first = (int64_t)header_of(&wholes[CELLS]).section[MESH_CELL_NODES].offset;
+    const struct damage rows[] = {
+        /* check_layout */
+        { CELLS, SET, MESH_HEADER, AT(tail.cells) + 4, 1, HEADER, layout, NULL, AT(tail.spring_nodes) },
+        { CELLS, SET, MESH_HEADER, AT(tail.cells), cells + 16, HEADER, layout, "cell_nodes",
+          ENTRY(MESH_CELL_NODES, name) },
+        /* check_cells: a node that is not there, one that is no neighbour, the same twice; numbers */
+        { CELLS, SET, MESH_CELL_NODES, -1, 0x7fffffff, ALL, index, NULL, THERE },
+        { CELLS, SET, MESH_CELL_NODES, 0, word_of(CELLS, MESH_CELL_NODES, 16 * 3), ALL, index, NULL, first },
+        { CELLS, SET, MESH_HEADER, AT(tail.cell_size) + upper, 0, HEADER, finite, NULL, AT(tail.cell_size) },
+        { CELLS, SET, MESH_HEADER, AT(tail.poisson) + upper, 0x3fde0000, HEADER, finite, NULL, AT(tail.cell_size) },
+        { CELLS, SET, MESH_CELL_STIFFNESS, 0, 0, ALL, finite, NULL, THERE },
+        { CELLS, SET, MESH_CELL_STIFFNESS, -1, bits_of(1.0f), ALL, finite, NULL, THERE },
+    };
+    add_rows(rows, sizeof rows / sizeof *rows);
+}
+
 static void each_check_has_its_damage(void)
 {
     add_header_rows();
     add_layout_rows();
     add_section_rows();
     add_spring_rows();
+    add_cell_rows();
     for (size_t row = 0; row < table_rows; row++) {
         expect_row(&table[row], row);
         for (size_t other = 0; other < row; other++)
@@ -365,6 +388,7 @@ int main(int argc, char **argv)
     wholes[EMBEDDED] = file_of_embedded_shape("sphere", 40);
     wholes[SHEET] = file_of_sprung_shape("sphere", 40, DPT_NET_SHEET);
     wholes[VOLUME] = file_of_sprung_shape("sphere", 40, DPT_NET_VOLUME);
+    wholes[CELLS] = file_of_bulging_shape("sphere", 40, 0.45);
     wholes[OLD] = open_golden("tests/golden/torus.dpa");
     wholes[OLD_4] = open_golden("tests/golden/torus_4.dpa");
     TEST(whole_files_pass_all);
