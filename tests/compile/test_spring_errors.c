@@ -60,6 +60,15 @@ static void numbers_out_of_range_are_refused(void)
             expect_refusal("membrane", 18, &def, DPT_E_ARGUMENT, fields[i].name);
         }
     }
+    const double ratios[] = { -0.25, 0.099, 0.451, NAN };
+    for (int k = 0; k < 4; k++) {
+        dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
+        def.poisson = ratios[k];
+        expect_refusal("box", 12, &def, DPT_E_ARGUMENT, "Poisson's ratio must be 0.1 to 0.45");
+    }
+    dpt_spring_net_def sheet = def_of(DPT_NET_SHEET);
+    sheet.poisson = 0.3;
+    expect_refusal("membrane", 18, &sheet, DPT_E_ARGUMENT, "it cannot be chosen");
     for (uint32_t kind = 0; kind < 4; kind += 3) {
         const dpt_spring_net_def def = def_of(kind);
         expect_refusal("membrane", 18, &def, DPT_E_ARGUMENT, "kind");

@@ -10,6 +10,7 @@
 #include <math.h>
 
 #include "compile/spring_subject.h"
+#include "dynpoint/springs.h"
 #include "lib/check.h"
 
 /* x' = gradient x of all nodes: the energy of all springs, each counted in both of its rows. */
@@ -150,6 +151,66 @@ static void a_block_is_as_stiff_as_its_material(void)
         expect_energy(&subject, strains[i], volume * continuum(1200.0, 1200.0, strains[i]), 1e-4);
     expect_rows(&subject);
     free(subject.file.bytes);
+}
+
+/* The energy that the solver has for nodes at x' = turn (1 + by strain) x, the turn by 0.5 rad about z or none. */
+static double solver_energy(const struct subject *subject, dpt_springs *springs, const double strain[9], double by,
+                            int is_turned)
+{
+    const double c = is_turned ? 0.87758256189037276 : 1.0, s = is_turned ? 0.47942553860420301 : 0.0;
+    const uint32_t count = subject->net.nodes;
+    float *x = malloc(3 * (size_t)count * sizeof *x);
+    double elastic = 0.0, kinetic;
+    for (uint32_t i = 0; i < count; i++) {
+        const float *rest = subject->net.rest + 3 * (size_t)i;
+        double y[3];
+        for (int r = 0; r < 3; r++) {
+            y[r] = (double)rest[r];
+            for (int k = 0; k < 3; k++)
+                y[r] += by * strain[3 * r + k] * (double)rest[k];
+        }
+        x[3 * (size_t)i] = (float)(c * y[0] - s * y[1]);
+        x[3 * (size_t)i + 1] = (float)(s * y[0] + c * y[1]);
+        x[3 * (size_t)i + 2] = (float)y[2];
+    }
+    CHECK(dpt_springs_set_nodes(springs, 0, count, x, NULL) == DPT_OK, "not put");
+    CHECK(dpt_springs_get_energy(springs, &elastic, &kinetic) == DPT_OK, "no energy");
+    free(x);
+    return elastic;
+}
+
+/* With another Poisson's ratio a file and the solver hold the material's energy, turned or not, and the file says it. */
+static void cells_have_the_ratio(void)
+{
+    const double ratios[] = { 0.1, 0.3, 0.45 }, volume = 0.12 * 0.10 * 0.08, young = 3000.0;
+    for (int r = 0; r < 3; r++) {
+        struct subject subject;
+        dpt_spring_net_def def = def_of(DPT_NET_VOLUME);
+        dpt_springs_def solver;
+        dpt_springs *springs = NULL;
+        def.spacing = 0.02;
+        def.young = young;
+        def.poisson = ratios[r];
+        if (!make_subject(&subject, "box", 12, &def))
+            continue;
+        CHECK(subject.info.poisson == ratios[r] && subject.info.format_version == 7, "%g in format %u",
+              subject.info.poisson, subject.info.format_version);
+        dpt_springs_def_init(&solver);
+        solver.mesh = subject.mesh;
+        void *block = malloc(dpt_springs_bytes(&solver));
+        CHECK(dpt_springs_create(block, dpt_springs_bytes(&solver), &solver, &springs) == DPT_OK, "not made");
+        const double mu = young / (2.0 * (1.0 + ratios[r])), lambda = 2.0 * mu * ratios[r] / (1.0 - 2.0 * ratios[r]);
+        for (int i = 0; i < 6 && springs; i++)
+            for (int is_turned = 0; is_turned < 2; is_turned++) {
+                const double energy = 0.5 * (solver_energy(&subject, springs, strains[i], 10.0, is_turned) +
+                                             solver_energy(&subject, springs, strains[i], -10.0, is_turned));
+                const double material = 100.0 * volume * continuum(lambda, mu, strains[i]);
+                CHECK(fabs(energy / material - 1.0) < 2e-3, "%g, strain %d: %g J, of the material %g", ratios[r], i,
+                      energy, material);
+            }
+        free(block);
+        free(subject.file.bytes);
+    }
 }
 
 /* An edge that is the longest of one of its triangles alone has no shear spring. */
@@ -438,6 +499,7 @@ int main(void)
     TEST(a_grid_is_as_stiff_as_its_material);
     TEST(bending_springs_are_added);
     TEST(a_block_is_as_stiff_as_its_material);
+    TEST(cells_have_the_ratio);
     TEST(slim_triangles_are_not_crossed);
     TEST(turns_cost_nothing);
     TEST(curved_bodies_are_filled);

@@ -45,7 +45,7 @@ static void check_body(const struct scene_file_body *body)
     MUST(is_in(springs->young, 0.0, 1e12) && is_in(springs->density, 0.0, 1e9));
     MUST(is_in(springs->drag, 0.0, 1e9) && is_in(springs->viscosity, 0.0, 1e9));
     MUST(is_in(springs->thickness, 0.0, 1e6) && is_in(springs->bending, 0.0, 1e12));
-    MUST(is_in(springs->spacing, 0.0, 1e6));
+    MUST(is_in(springs->spacing, 0.0, 1e6) && is_in(springs->poisson, 0.0, 0.45));
 }
 
 /* A hull can be made of it. */

@@ -136,6 +136,8 @@ in_sheet '.spacing: is for a volume' '"spacing": 0.01'
 in_volume '.thickness: is for a sheet' '"thickness": 0.01'
 in_volume '.bending: is for a sheet' '"bending": 0'
 in_volume '.spacing: must be above 0' '"spacing": 0'
+in_sheet '.poisson: is for a volume' '"poisson": 0.3'
+in_volume '.poisson: must be 0.1 to 0.45; it is 0.5' '"poisson": 0.5'
 in_sheet '.regions: must be a list' '"regions": {}'
 in_sheet '.regions: has 1001 items; there must be 0 to 1000' "\"regions\": [ $(awk 'BEGIN { for (i = 0; i < 1000; i++) printf "0," }')0 ]"
 in_region ': needs a box or a sphere, and not both' '"fixed": true'

@@ -48,6 +48,12 @@ refusals()
     refuses 'of another kind' '--thickness is not for --springs volume' compile box.ply -o out/x --springs volume --thickness 1
     refuses 'no stiffness' '--young must be 0 to 1e+12, and not 0' compile box.ply -o out/x --springs sheet --young 0
     refuses 'an open mesh' 'membrane.ply: no part of the mesh is closed' compile membrane.ply -o out/x --springs volume
+    succeeds "--poisson" compile box.ply -o bulging.dpa --springs volume --spacing 0.02 --poisson 0.45
+    succeeds 'info of it' info bulging.dpa
+    check 'info: the ratio' grep -q "Poisson's ratio 0.45" stdout
+    check 'info: the cells' grep -q 'section cell_nodes' stdout
+    refuses 'a ratio that is too large' '--poisson must be 0.1 to 0.45' compile box.ply -o out/x --springs volume --poisson 0.5
+    refuses 'a ratio of a sheet' '--poisson is not for --springs sheet' compile box.ply -o out/x --springs sheet --poisson 0.3
     refuses 'too fine' 'more than 4194304 cells' compile box.ply -o out/x --springs volume --spacing 0.0001
     refuses 'with cells' '--nodes and --springs exclude each other' compile box.ply -o out/x --springs volume --nodes wrong
     refuses 'an arm' '--nodes and --springs are for a mesh' compile "$tests/../docs/samples/arm.urdf" -o out/x --springs sheet
