@@ -49,8 +49,9 @@ function set_rules(folders, count, i)
     inner["convex"] = "";                  public["convex"] = "core"
     inner["bindings"] = "";                public["bindings"] = "core compile urdf convex drivers host"
     inner["drivers"] = "text";             public["drivers"] = "core"
-    inner["host"] = "text drivers";        public["host"] = "core compile convex"
-    inner["tools"] = "text compile drivers host"; public["tools"] = "core urdf convex"
+    inner["scene"] = "text drivers";       public["scene"] = "core compile convex"
+    inner["host"] = "scene drivers";       public["host"] = "core"
+    inner["tools"] = "text compile drivers scene host"; public["tools"] = "core urdf convex"
     never["drivers"] = "mesh"
     inner["include"] = "";                 public["include"] = ""
     # Headers of the core that the others may include, if they are wholly static inline.
@@ -130,14 +131,14 @@ function resolve(file, name, quoted, place, folder)
         return ""
     }
     if (folder == "drivers/serial" && name ~ /^wire(_device)?[.]h$/ && (place = folder "/" name) in exists) return place
-    if (file ~ /^src\/host\// && (place = "drivers/" name) in exists) return place
+    if (file ~ /^src\/(scene|host)\// && (place = "drivers/" name) in exists) return place
     if (!(file ~ /^src\// && name !~ /\//)) {
         if ((place = "include/" name) in exists) return place
         if (file !~ /^include\// && (place = "src/" name) in exists) return place
         if (file ~ /^(drivers|tools)\// && (place = "drivers/" name) in exists) return place
         if (file ~ /^tools\// && (place = "tools/" name) in exists) return place
     }
-    if (!quoted || (file ~ /^(drivers|tools|src\/host)\// && name == generated)) return ""
+    if (!quoted || (file ~ /^(drivers|tools|src\/scene)\// && name == generated)) return ""
     if ((place = folder "/" name) in exists) {
         sub(/^[a-z]*\//, "", place)
         find("root", file " includes " name ": write " place)
@@ -223,7 +224,7 @@ FILENAME == ARGV[1] {
     sub(/[.](c|cc)$/, "")
     if ($0 in built) find("see", $0 ".o")
     else if ($0 ~ /^src\/bindings\/wasm\//) next # for another machine (tests/wasm)
-    else if ($0 ~ /^tools\/(scene\/(json_|scene_file)|plan\/plan_file_parse)/) {
+    else if ($0 ~ /^(src\/scene\/(json_|scene_file)|tools\/plan\/plan_file_parse)/) {
         if (!told["json"]++) find("skip", "what reads scene files is not built: nothing says what it calls")
     } else if (folder_of($0) in folder || $0 !~ /^(src\/(urdf|convex|bindings)|drivers\/[^\/]*|tools\/view\/server)\//)
         find("object", source " has no object: nothing says what it calls")

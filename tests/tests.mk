@@ -8,7 +8,7 @@ EXACT_TESTS := test_sweep_exact test_sweep_moving
 TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
-              $(B)/src/host/shape.o $(B)/src/host/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
+              $(B)/src/scene/shape.o $(B)/src/scene/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
 TEST_LIB := $(B)/tests/lib.a
 PARTS_LIB := $(B)/tests/parts.a
 LINKED = $(filter-out %.a,$^) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group
@@ -99,7 +99,7 @@ $(B)/tests/test_exactness: | $(B)/dynpoint
 # Tests of the program's parts: linked with what they use of it, all but its main.
 tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
 TOOLS_LIB := $(B)/tests/tools.a
-$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o,$(TOOLS)) $(filter-out $(B)/src/host/shape%,$(HOST)) $(URDF_PARTS) $(CONVEX_PARTS)
+$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o,$(TOOLS)) $(filter-out $(B)/src/scene/shape%,$(HOST)) $(URDF_PARTS) $(CONVEX_PARTS)
 TOOLS_TESTS := $(call tests_of,tests/host) $(call tests_of,tests/tools) $(call tests_of,tests/view) $(call tests_of,tests/view/server) $(B)/tests/test_springs_passes $(B)/tests/test_fuzz
 $(TOOLS_TESTS): $(TOOLS_LIB)
 TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) $(CONVEX_LIBS)
@@ -310,7 +310,7 @@ endif
 -include $(wildcard $(EXACT_TESTS:%=$(B)/tests/sweep/%.d) $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
-$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(B)/src/host/host_file.o $(B)/src/host/host_error.o $(TEXT) $(COMPILE) $(CORE)
+$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(B)/src/scene/host_file.o $(B)/src/scene/host_error.o $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)
@@ -323,7 +323,7 @@ $(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/defo
                               $(B)/tests/oracle/spring_balance.o $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/bench/scenes $(B)/tests/bench/tori: $(B)/tests/bench/play.o
-$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/src/host/scene_list.o $(B)/src/host/shape.o $(B)/src/host/shape_organs.o \
+$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/src/scene/scene_list.o $(B)/src/scene/shape.o $(B)/src/scene/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 $(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined $(B)/tests/bench/proxy_ticks $(B)/tests/bench/proxy_jumps $(B)/tests/bench/proxy_hangs: %: %.o $(PARTS_LIB) $(TEST_LIB)

@@ -10,11 +10,11 @@
 #include "base/sized.h"
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
-#include "host/host_error.h"
-#include "host/host_file.h"
 #include "host/host_session.h"
-#include "host/scene_record.h"
 #include "loop_line.h"
+#include "scene/host_error.h"
+#include "scene/host_file.h"
+#include "scene/scene_record.h"
 
 /* The device of a loop that is the caller's: it has the sample of this tick, and takes its wrench. */
 struct outside {

@@ -4,7 +4,7 @@
 #define DPT_HOST_COUPLING_H
 
 #include "dynpoint/coupling.h"
-#include "host/scene.h"
+#include "scene/scene.h"
 
 /* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
 #define HOST_LOOP_DELAY_PERIODS 0.25

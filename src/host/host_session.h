@@ -5,9 +5,9 @@
 
 #include "dynpoint/guard.h"
 #include "host/host_coupling.h"
-#include "host/scene.h"
-#include "host/scene_text.h"
-#include "host/scene_trouble.h"
+#include "scene/scene.h"
+#include "scene/scene_text.h"
+#include "scene/scene_trouble.h"
 
 /* A budget: 3000 units a tick at 1 kHz, in proportion to the period, so that a tick keeps within one. */
 #define HOST_BUDGET_BY_RATE UINT64_MAX

@@ -9,8 +9,8 @@
 #include "compile/compile_context.h"
 #include "compile/lattice.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/check.h"
+#include "scene/shape.h"
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);
 int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);

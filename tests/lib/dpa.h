@@ -10,9 +10,9 @@
 
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/check.h"
 #include "mesh/mesh_format.h"
+#include "scene/shape.h"
 
 struct file {
     unsigned char *bytes;

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-#include "host/scene_list.h"
-#include "host/scene_physics.h"
+#include "scene/scene_list.h"
+#include "scene/scene_physics.h"
 
 #define RADIUS 0.004 /* m, of the ball */
 

@@ -6,10 +6,10 @@
 #include <math.h>
 
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/rig.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
+#include "scene/shape.h"
 
 enum { TICKS = 3000, SOFT_TICKS = 600 };
 #define RADIUS 0.002

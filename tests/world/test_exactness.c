@@ -15,10 +15,10 @@
 
 #include "data/motion.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/public_meshes.h"
 #include "lib/rig.h"
 #include "oracle/brute.h"
+#include "scene/shape.h"
 
 static const char *data;
 static int soaking;

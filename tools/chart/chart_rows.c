@@ -10,8 +10,8 @@
 #include "cli/command_options.h"
 #include "cli/law_name.h"
 #include "clock.h"
-#include "host/setting_words.h"
 #include "run/replay_report.h"
+#include "scene/setting_words.h"
 #include "shape/mesh_size.h"
 
 /* Of a step's sweeps, in the row that limits them. */

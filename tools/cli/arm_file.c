@@ -6,7 +6,7 @@
 
 #include "built_with.h"
 #include "cli/json_text.h"
-#include "host/host_file.h"
+#include "scene/host_file.h"
 
 #ifdef DPT_HAS_URDF
 #include "dynpoint/urdf.h"

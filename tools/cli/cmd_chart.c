@@ -10,8 +10,8 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/scene_command.h"
-#include "host/setting_words.h"
 #include "measure/measure_setting.h"
+#include "scene/setting_words.h"
 
 static const char help[] =
     "usage: dynpoint chart SCENE|SCENE.json|MESH.dpa|ARM.dpa [TRACE.csv] -o NAME [options]\n"

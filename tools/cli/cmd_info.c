@@ -7,7 +7,7 @@
 #include "cli/arm_file.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "host/host_file.h"
+#include "scene/host_file.h"
 #include "shape/mesh_size.h"
 
 static const char help[] =

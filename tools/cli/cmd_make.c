@@ -7,7 +7,7 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "host/shape.h"
+#include "scene/shape.h"
 #include "shape/mesh_file.h"
 #include "shape/trace_hand.h"
 #include "text/parse_number.h"

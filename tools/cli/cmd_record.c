@@ -10,9 +10,9 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "dynpoint/device.h"
-#include "host/tip_shape.h"
 #include "record/recording_embed.h"
 #include "record/recording_file.h"
+#include "scene/tip_shape.h"
 
 static const char help[] =
     "usage: dynpoint record info FILE.dpr [--json]\n"

@@ -16,11 +16,11 @@
 #include "csv.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/loop.h"
-#include "host/setting_words.h"
 #include "plan/replay_plan.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
 #include "run/replay_report.h"
+#include "scene/setting_words.h"
 #include "shape/mesh_size.h"
 
 static const char help[] =

@@ -12,13 +12,13 @@
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "host/host_session.h"
-#include "host/scene_record.h"
 #include "plan/plan_trace.h"
 #include "record/plan_text.h"
 #include "record/recording_embed.h"
 #include "record/run_trace.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
+#include "scene/scene_record.h"
 #include "view/run_view.h"
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */

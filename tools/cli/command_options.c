@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "host/host_file.h"
+#include "scene/host_file.h"
 #include "text/parse_number.h"
 
 int complain(const char *command, const char *format, ...)

@@ -7,7 +7,7 @@
 
 #include "base/vec3.h"
 #include "clock.h"
-#include "host/force_options.h"
+#include "scene/force_options.h"
 
 double uniform(uint64_t *seed, double low, double high)
 {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/vec3.h"
-#include "host/force_options.h"
+#include "scene/force_options.h"
 #include "shape/mesh_size.h"
 
 /* Where the wrench is at most K times this share of the radius, |dW| is bounded by the motion alone. */

@@ -12,7 +12,7 @@
 #include "base/vec3.h"
 #include "cli/command_options.h"
 #include "dynpoint/kernel.h"
-#include "host/tool_spread.h"
+#include "scene/tool_spread.h"
 #include "shape/trace_hand.h"
 
 /* Of all tools together: more than any motion needs that a hand can make. */

@@ -11,7 +11,7 @@
 #include "csv.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/types.h"
-#include "host/scene.h"
+#include "scene/scene.h"
 
 /* A plain value: copy it, and change the copy. */
 struct measure_setting {

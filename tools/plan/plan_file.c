@@ -10,7 +10,7 @@
 #include "cli/command_options.h"
 #include "cli/json_text.h"
 #include "cli/law_name.h"
-#include "host/setting_words.h"
+#include "scene/setting_words.h"
 
 void plan_free(struct plan *plan)
 {
@@ -120,7 +120,7 @@ void plan_figures_join(struct plan_figures *figures, const struct plan_figures *
 
 #ifdef DPT_HAS_JANSSON
 
-#include "host/json_value.h"
+#include "scene/json_value.h"
 
 enum { PLAN_BYTES_MAX = 1 << 20 };
 

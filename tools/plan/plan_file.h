@@ -3,9 +3,9 @@
 #ifndef DPT_TOOLS_PLAN_FILE_H
 #define DPT_TOOLS_PLAN_FILE_H
 
-#include "host/file_identity.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
+#include "scene/file_identity.h"
 
 /*
  * What a scene needs: what was asked, the setting that was chosen, what it was measured to do, and what is promised of it

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "cli/command_options.h"
-#include "host/scene_list.h"
+#include "scene/scene_list.h"
 
 /* Offsets in a piece. What comes before AT_FILE is that of records of any kind. */
 enum {

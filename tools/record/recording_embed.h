@@ -6,8 +6,8 @@
 #ifndef DPT_TOOLS_RECORDING_EMBED_H
 #define DPT_TOOLS_RECORDING_EMBED_H
 
-#include "host/scene_text.h"
 #include "record/recording_file.h"
+#include "scene/scene_text.h"
 
 enum { EMBED_SCENE, EMBED_TOOL, EMBED_FILES };
 enum { EMBED_FAULT_BYTES = 200 };

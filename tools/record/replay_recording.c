@@ -9,12 +9,12 @@
 #include "cli/command_options.h"
 #include "cli/force_check.h"
 #include "cli/scene_command.h"
-#include "host/scene_list.h"
-#include "host/scene_record.h"
-#include "host/scene_trouble.h"
 #include "measure/measure_setting.h"
 #include "record/plan_text.h"
 #include "record/recording_file.h"
+#include "scene/scene_list.h"
+#include "scene/scene_record.h"
+#include "scene/scene_trouble.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpr [SCENE.json|MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"

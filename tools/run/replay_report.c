@@ -9,8 +9,8 @@
 #include "base/quaternion.h"
 #include "cli/command_options.h"
 #include "csv.h"
-#include "host/tip_shape.h"
 #include "measure/measure_run.h"
+#include "scene/tip_shape.h"
 
 static const char *const status_words[] = { "stale", "local", "bounded", "exact" };
 static const char *const contact_words[] = { "unknown", "separated", "touching", "penetrating" };

@@ -8,7 +8,7 @@
 #include "csv.h"
 #include "dynpoint.h"
 #include "dynpoint/tip.h"
-#include "host/tip_shape.h"
+#include "scene/tip_shape.h"
 
 struct replayed_tick {
     dpt_hit hit;

@@ -5,10 +5,10 @@
 
 #include "dynpoint/coupling.h"
 #include "host/host_session.h"
-#include "host/scene.h"
-#include "host/scene_def.h"
 #include "plan/plan_file.h"
 #include "record/recording_embed.h"
+#include "scene/scene.h"
+#include "scene/scene_def.h"
 #include "view/run_view.h"
 
 /* The word for what limits a coupling, as "stability". */

@@ -7,11 +7,11 @@
 
 #include "cli/command_options.h"
 #include "dynpoint/snapshot.h"
-#include "host/scene_list.h"
-#include "host/scene_record.h"
-#include "host/scene_trouble.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
+#include "scene/scene_list.h"
+#include "scene/scene_record.h"
+#include "scene/scene_trouble.h"
 #include "view/view_scene.h"
 
 #define FRAME_SECONDS (1.0 / 60.0)
