@@ -411,10 +411,10 @@ dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
 
 dpt_world *dpt_host_get_world(const dpt_host *host)
 {
-    return host ? host->session.scene.world : NULL;
+    return host ? host->session.scene.stage.world : NULL;
 }
 
 dpt_tool dpt_host_get_tool(const dpt_host *host)
 {
-    return host ? host->session.scene.tool : 0;
+    return host ? host->session.scene.stage.tool : 0;
 }

@@ -96,21 +96,22 @@ void host_session_text(const struct host_session *session, const struct scene_de
 dpt_result host_session_start(struct host_session *session, dpt_host_error *error)
 {
     struct scene *scene = &session->scene;
-    if (!scene->physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC ||
-        scene_physics_start(scene->physics, session->rate) == DPT_OK)
+    if (!scene->stage.physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC ||
+        scene_physics_start(scene->stage.physics, session->rate) == DPT_OK)
         return DPT_OK;
     return host_refuse(error, DPT_E_SYSTEM, "--physics: there is no thread for it");
 }
 
 void host_session_stop(struct host_session *session)
 {
-    scene_physics_stop(session->scene.physics);
+    scene_physics_stop(session->scene.stage.physics);
 }
 
 static void count_puts(struct host_puts *puts, const struct scene *scene)
 {
     dpt_force_info force = { .size = sizeof force };
-    if (scene->force.law != DPT_LAW_PROXY || dpt_tool_get_force_info(scene->world, scene->tool, &force) != DPT_OK)
+    if (scene->force.law != DPT_LAW_PROXY ||
+        dpt_tool_get_force_info(scene->stage.world, scene->stage.tool, &force) != DPT_OK)
         return;
     puts->squeezed += force.reason == DPT_FORCE_INSIDE && (force.flags & DPT_FORCE_FLAG_SQUEEZED);
     puts->turned += (force.flags & DPT_FORCE_FLAG_REPLACED) != 0;

@@ -39,24 +39,23 @@ static dpt_result add_tips(struct scene *scene)
 {
     struct curved_tips *curved = &scene->curved;
     if (scene->force.law == DPT_LAW_PROXY)
-        return scene_tips_add(&scene->tips, scene->world, scene->tool);
+        return scene_tips_add(&scene->tips, scene->stage.world, scene->stage.tool);
     for (curved->body_count = 0; curved->body_count < scene->bodies.count; curved->body_count++) {
         const struct scene_body *body = &scene->bodies.body[curved->body_count];
         curved->bodies[curved->body_count] = (dpt_convex_body){ .mesh = body->mesh, .pose = &body->pose };
         curved->body_ids[curved->body_count] = body->id;
     }
-    return curved_tips_attach(curved, &scene->tips.shapes, scene->world, scene->tool, &scene->force);
+    return curved_tips_attach(curved, &scene->tips.shapes, scene->stage.world, scene->stage.tool, &scene->force);
 }
 
-/* Create the world in the scene's block, with its bodies and its tool. */
+/* Create the world, with its bodies and its tool. */
 static dpt_result fill_world(struct scene *scene, const dpt_world_def *def)
 {
-    DPT_TRY(dpt_world_create(scene->block, dpt_world_bytes(def), def, &scene->world));
-    DPT_TRY(scene_bodies_add(&scene->bodies, scene->world, &scene->force));
-    if (scene->physics_rate > 0.0)
-        DPT_TRY(scene_physics_open(&scene->physics, &scene->bodies, scene->physics_rate));
-    DPT_TRY(dpt_tool_add(scene->world, scene->segments, scene->segment_count, &scene->tool));
-    DPT_TRY(force_options_set_tool(&scene->force, scene->world, scene->tool, scene->device.wrench_dofs < 6));
+    struct scene_stage *stage = &scene->stage;
+    DPT_TRY(scene_stage_open(stage, def));
+    DPT_TRY(scene_stage_add_bodies(stage, &scene->bodies, &scene->force, scene->physics_rate));
+    DPT_TRY(scene_stage_add_tool(stage, scene->segments, scene->segment_count, &scene->force,
+                                 scene->device.wrench_dofs < 6));
     return add_tips(scene);
 }
 
@@ -76,10 +75,9 @@ dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, 
     world.budget = budget;
     if (scene_bodies_displace(&scene->bodies))
         world.strip = DPT_STRIP_KIND_SHADOW;
-    scene->block = malloc(dpt_world_bytes(&world));
-    if (!scene->block)
-        return host_refuse(error, DPT_E_MEMORY, "memory ran out");
     const dpt_result result = fill_world(scene, &world);
+    if (result == DPT_E_MEMORY)
+        return host_refuse(error, result, "memory ran out");
     return result == DPT_OK ? DPT_OK : host_refuse(error, result, "%s", dpt_result_text(result));
 }
 
@@ -241,9 +239,7 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
 
 void scene_close(struct scene *scene)
 {
-    scene_physics_close(scene->physics);
-    scene->physics = NULL;
-    free(scene->block);
+    scene_stage_close(&scene->stage);
     scene_bodies_close(&scene->bodies);
     scene_tips_close(&scene->tips);
     free(scene->bytes);
@@ -301,13 +297,13 @@ static dpt_result move_tool(struct scene *scene, const dpt_pose *pose)
     dpt_segment *stylus = &scene->stylus;
     double reach[3];
     if (!scene->has_stylus)
-        return dpt_tool_set_pose(scene->world, scene->tool, pose);
+        return dpt_tool_set_pose(scene->stage.world, scene->stage.tool, pose);
     quaternion_rotate(pose->orientation, along, reach);
     for (int k = 0; k < 3; k++) {
         stylus->a[k] = pose->position[k];
         stylus->b[k] = stylus->a[k] + reach[k];
     }
-    return dpt_tool_set_segments(scene->world, scene->tool, stylus, 1);
+    return dpt_tool_set_segments(scene->stage.world, scene->stage.tool, stylus, 1);
 }
 
 /* The hand has moved under the clutch: where the tool stands is where the hand is now. */
@@ -348,32 +344,27 @@ static void to_hand(const struct scene *scene, const double axes[4], dpt_wrench 
 /* A step of the world and of what is soft, by dt, s. */
 static dpt_result step(struct scene *scene, double dt)
 {
-    if (scene->physics)
-        scene_physics_begin_tick(scene->physics, scene->world);
     curved_tips_begin_tick(&scene->curved);
-    DPT_TRY(dpt_world_step(scene->world, dt, NULL));
+    DPT_TRY(scene_stage_step_world(&scene->stage, dt, NULL));
     if (curved_tips_have_failed(&scene->curved))
         return DPT_E_LIMIT;
-    const dpt_result result = scene->physics ? scene_physics_end_tick(scene->physics, scene->world, dt)
-                                             : scene_bodies_step(&scene->bodies, scene->world, dt);
-    scene_bodies_count_moves(&scene->bodies, dt);
-    return result;
+    return scene_stage_step_soft(&scene->stage, dt);
 }
 
 uint64_t scene_soft_steps(const struct scene *scene)
 {
-    return scene->physics ? scene_physics_steps(scene->physics) : scene->bodies.steps;
+    return scene->stage.physics ? scene_physics_steps(scene->stage.physics) : scene->bodies.steps;
 }
 
 void scene_get_hit(const struct scene *scene, dpt_hit *hit)
 {
-    dpt_tool_get_hit(scene->world, scene->tool, hit);
+    dpt_tool_get_hit(scene->stage.world, scene->stage.tool, hit);
     curved_tips_deepen(&scene->curved, hit);
 }
 
 void scene_get_force_info(const struct scene *scene, dpt_force_info *force)
 {
-    dpt_tool_get_force_info(scene->world, scene->tool, force);
+    dpt_tool_get_force_info(scene->stage.world, scene->stage.tool, force);
     force->energy += curved_tips_energy(&scene->curved);
 }
 
@@ -399,7 +390,7 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
         DPT_TRY(find_pose(scene, sample->state, &pose, axes));
     }
     DPT_TRY(move_tool(scene, &pose));
-    DPT_TRY(scene_tips_move(&scene->tips, scene->world, scene->tool, sample->dt, sample->state->buttons));
+    DPT_TRY(scene_tips_move(&scene->tips, scene->stage.world, scene->stage.tool, sample->dt, sample->state->buttons));
     DPT_TRY(step(scene, sample->dt));
     scene->pose = pose;
     scene->has_pose = 1;

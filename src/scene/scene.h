@@ -11,7 +11,7 @@
 #include "scene/scene_bodies.h"
 #include "scene/scene_def.h"
 #include "scene/scene_passivity.h"
-#include "scene/scene_physics.h"
+#include "scene/scene_stage.h"
 #include "scene/scene_tips.h"
 #include "scene/tip_shape.h"
 
@@ -21,18 +21,16 @@ enum { SCENE_CONTACTS = 32 };
 struct scene {
     const char *command; /* as in scene_def */
     struct file_identity file,
-        tool_file; /* of the scene and all of its meshes; of the tool's arm, zeros if none was named */
-    dpt_world *world;
-    dpt_tool tool;
-    const dpt_arm *arm;      /* the arm of the scene; NULL: there is none */
-    const dpt_arm *tool_arm; /* the arm whose tool is used; NULL: there is none */
+        tool_file;            /* of the scene and all of its meshes; of the tool's arm, zeros if none was named */
+    struct scene_stage stage; /* the world, the bodies in it, and the tool */
+    const dpt_arm *arm;       /* the arm of the scene; NULL: there is none */
+    const dpt_arm *tool_arm;  /* the arm whose tool is used; NULL: there is none */
     struct scene_bodies bodies;
     /* Until, memory, margin, contacts, sweeps and strips of the world, as a plan has them; NULL: the defaults. */
     const dpt_world_def *planned;
     uint32_t sweep_budget;                      /* dpt_world_def's; a plan has its own */
     int shows_contacts;                         /* the world lists its contacts; likewise */
     double physics_rate;                        /* Hz; 0: what is soft is stepped in each tick */
-    struct scene_physics *physics;              /* of the world, if there is a rate */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t segment_count;
     struct scene_tips tips;    /* of the tool */
@@ -54,7 +52,7 @@ struct scene {
     dpt_device_info device;
     int has_camera;
     double camera[9]; /* as in scene_file */
-    void *block, *bytes, *tool_bytes;
+    void *bytes, *tool_bytes;
 };
 
 /* What a scene is felt with, in a loop. */

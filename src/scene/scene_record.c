@@ -122,7 +122,7 @@ void record_answers(dpt_record *record, const struct scene *scene, dpt_result re
     dpt_force_info force = { .size = sizeof force };
     scene_get_hit(scene, &hit);
     scene_get_force_info(scene, &force);
-    dpt_tool_get_proxy(scene->world, scene->tool, &record->proxy);
+    dpt_tool_get_proxy(scene->stage.world, scene->stage.tool, &record->proxy);
     record->flags |= DPT_RECORD_FLAG_FELT | (scene->bodies.is_held ? DPT_RECORD_FLAG_BODY_HELD : 0u);
     record->result = result;
     record->asked = *wrench;

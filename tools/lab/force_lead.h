@@ -4,6 +4,7 @@
 #define DPT_TOOLS_FORCE_LEAD_H
 
 #include "lab/force_trial.h"
+#include "scene/scene_stage.h"
 
 #define LEAD_DT 1e-3
 
@@ -18,9 +19,7 @@
 
 struct force_lead {
     const struct force_trial_def *def;
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
+    struct scene_stage stage;
     dpt_pose device, before;
     dpt_force_info force, last; /* their wrenches behind the low-pass */
     uint64_t seed;

@@ -273,7 +273,7 @@ static void judge_proxy(struct force_lead *lead, int is_fold, struct push_result
 {
     const double force = vec3_length(lead->force.wrench.force);
     dpt_pose proxy;
-    dpt_tool_get_proxy(lead->world, lead->tool, &proxy);
+    dpt_tool_get_proxy(lead->stage.world, lead->stage.tool, &proxy);
     const double gap = force_lead_gap(lead, &proxy);
     result->gap_min = fmin(result->gap_min, gap);
     result->penetrations += gap < 0.0;

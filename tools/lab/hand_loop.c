@@ -62,24 +62,24 @@ static dpt_segment segment_of(const struct hand_loop *loop)
 static void set_tool(struct hand_loop *loop)
 {
     dpt_tool_settings settings = { .size = sizeof settings };
-    dpt_tool_get_settings(loop->world, loop->held, &settings);
+    dpt_tool_get_settings(loop->stage.world, loop->stage.tool, &settings);
     settings.stiffness = loop->stiffness;
     settings.rotational_stiffness = loop->rotational_stiffness;
     settings.damping = loop->damping;
     settings.lock_rotation = loop->device.dofs < HAND_AXES;
-    dpt_tool_set_settings(loop->world, loop->held, &settings);
+    dpt_tool_set_settings(loop->stage.world, loop->stage.tool, &settings);
 }
 
 static int add_body(struct hand_loop *loop)
 {
     if (loop->springs) {
-        const int is_open = spring_body_open(loop->springs, loop->world);
+        const int is_open = spring_body_open(loop->springs, loop->stage.world);
         loop->body = loop->springs->body;
         return is_open;
     }
     if (!loop->tissue)
-        return dpt_body_add(loop->world, loop->place->mesh->mesh, NULL, &loop->body) == DPT_OK;
-    if (!tissue_open(loop->tissue, loop->world))
+        return dpt_body_add(loop->stage.world, loop->place->mesh->mesh, NULL, &loop->body) == DPT_OK;
+    if (!tissue_open(loop->tissue, loop->stage.world))
         return 0;
     loop->body = loop->tissue->body;
     return 1;
@@ -95,11 +95,9 @@ int hand_loop_open(struct hand_loop *loop)
     def.law = loop->method == LAB_POINT ? DPT_LAW_POINT : loop->method == LAB_BED ? DPT_LAW_BED : DPT_LAW_PROXY;
     def.max_contacts = LAB_CONTACTS;
     def.max_bodies = def.max_tools = def.max_segments = 1;
-    const size_t bytes = dpt_world_bytes(&def);
     loop->body_pose = (dpt_pose)DPT_POSE_IDENTITY;
-    loop->block = malloc(bytes);
-    if (!loop->block || dpt_world_create(loop->block, bytes, &def, &loop->world) != DPT_OK || !add_body(loop) ||
-        dpt_tool_add(loop->world, &segment, 1, &loop->held) != DPT_OK)
+    if (scene_stage_open(&loop->stage, &def) != DPT_OK || !add_body(loop) ||
+        scene_stage_add_tool(&loop->stage, &segment, 1, NULL, 0) != DPT_OK)
         return 0;
     set_tool(loop);
     return 1;
@@ -111,9 +109,8 @@ void hand_loop_close(struct hand_loop *loop)
         tissue_close(loop->tissue);
     if (loop->springs)
         spring_body_close(loop->springs);
-    free(loop->block);
+    scene_stage_close(&loop->stage);
     free(loop->track);
-    loop->block = NULL;
     loop->track = NULL;
 }
 
@@ -150,7 +147,7 @@ static dpt_force_info felt(const struct hand_loop *loop)
 {
     const double scale = or_one(loop->force_scale), share = scale / or_one(loop->zoom);
     dpt_force_info report = { .size = sizeof report };
-    dpt_tool_get_force_info(loop->world, loop->held, &report);
+    dpt_tool_get_force_info(loop->stage.world, loop->stage.tool, &report);
     quaternion_rotate_back(loop->axes, report.wrench.force, report.wrench.force);
     quaternion_rotate_back(loop->axes, report.wrench.torque, report.wrench.torque);
     for (int k = 0; k < 3; k++) {
@@ -181,10 +178,10 @@ static void to_components(const double turn[3], double torque[3])
 static dpt_force_info step_to(struct hand_loop *loop, const double at[HAND_AXES], double dt)
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
-    dpt_tool_set_pose(loop->world, loop->held, &pose);
+    dpt_tool_set_pose(loop->stage.world, loop->stage.tool, &pose);
     if (loop->tissue)
         tissue_advance(loop->tissue);
-    dpt_world_step(loop->world, dt, NULL);
+    dpt_world_step(loop->stage.world, dt, NULL);
     if (loop->springs)
         spring_body_step(loop->springs, dt);
     dpt_force_info report = felt(loop);
@@ -204,14 +201,14 @@ static void jump_to(struct hand_loop *loop, const double at[HAND_AXES])
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
     uint32_t steps = 2;
-    dpt_tool_teleport(loop->world, loop->held, &pose);
+    dpt_tool_teleport(loop->stage.world, loop->stage.tool, &pose);
     if (loop->tissue) {
         tissue_rest(loop->tissue);
         loop->tissue->is_held = 1;
         steps += loop->tissue->ticks;
     }
     for (uint32_t i = 0; i < steps; i++)
-        dpt_world_step(loop->world, 1e-3, NULL);
+        dpt_world_step(loop->stage.world, 1e-3, NULL);
 }
 
 /* The height from which the tool is lowered, m of the hand. */

@@ -112,9 +112,7 @@ struct tick_histogram tick_histogram_count(enum tick_histogram_of of, const doub
 
 /* The second world of a measure_run: the same bodies as they lie now, searched triangle by triangle in double. */
 struct measure_brute {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
+    struct scene_stage stage;
     uint32_t segments;
     uint32_t body_count;
     uint32_t searches; /* a comparison; the least time counts */

@@ -154,7 +154,7 @@ int replay_recording(int argc, char **argv)
     if (status >= 0)
         return status;
     struct recording_file recording;
-    struct scene scene = { .world = NULL };
+    struct scene scene = { .command = NULL };
     struct scene_text *text = malloc(sizeof *text);
     dpt_host_error error = { .size = sizeof error };
     struct comparison_of_records compared = { .path = operand[0] };

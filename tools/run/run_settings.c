@@ -31,9 +31,9 @@ int run_physics_check(const struct scene *scene, const dpt_device_info *device, 
 
 void run_physics_print(const struct scene *scene, int is_json)
 {
-    if (!scene->physics)
+    if (!scene->stage.physics)
         return;
-    const struct scene_physics_report report = scene_physics_get_report(scene->physics);
+    const struct scene_physics_report report = scene_physics_get_report(scene->stage.physics);
     if (is_json)
         printf(",\"physics\":{\"rate\":%.17g,\"asked\":%.17g,\"steps\":%" PRIu64 ",\"late\":%" PRIu64 ",\"thread\":%s}",
                report.rate, report.asked, report.steps, report.late, report.has_thread ? "true" : "false");

@@ -47,8 +47,8 @@ static int add_frame(struct filming *filming)
     const int has_room = filming->vertices_sent < VERTICES_BYTES;
     const int is_due = filming->number % VERTICES_EVERY == 0;
     filming->def.max_vertices = filming->has_moved && has_room && is_due ? filming->vertices : 0;
-    if (dpt_world_take_snapshot(filming->scene->world, &filming->def, filming->snapshot, filming->capacity, &size) !=
-        DPT_OK)
+    if (dpt_world_take_snapshot(filming->scene->stage.world, &filming->def, filming->snapshot, filming->capacity,
+                                &size) != DPT_OK)
         return 0;
     if (filming->def.max_vertices) {
         filming->has_moved = 0;
@@ -171,7 +171,7 @@ static int begin(struct filming *filming, const struct view_recording_files *fil
     filming->vertices = scene_picture_vertices(filming->scene);
     dpt_snapshot_def_init(&filming->def);
     filming->def.max_vertices = filming->vertices;
-    filming->capacity = dpt_snapshot_bytes(filming->scene->world, &filming->def);
+    filming->capacity = dpt_snapshot_bytes(filming->scene->stage.world, &filming->def);
     filming->snapshot = malloc(filming->capacity);
     if (!view_stream_add(filming->stream, scene, size) || !filming->snapshot)
         return complain("view", "memory ran out");
@@ -181,7 +181,7 @@ static int begin(struct filming *filming, const struct view_recording_files *fil
 int view_recording(struct view_stream *stream, const struct view_recording_files *files, int *is_wrong)
 {
     struct recording_file recording;
-    struct scene scene = { .world = NULL };
+    struct scene scene = { .command = NULL };
     struct scene_text *text = malloc(sizeof *text);
     dpt_host_error error = { .size = sizeof error };
     struct filming *filming = calloc(1, sizeof *filming);
