@@ -288,5 +288,5 @@ help: ## this list
 clean: ## remove build/
 	rm -rf build
 
--include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(CONVEX_PARTS) $(DRIVER_PARTS) $(TOOLS) $(SIMULATE))
+-include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(CONVEX_PARTS) $(DRIVER_PARTS) $(HOST) $(TOOLS) $(SIMULATE))
 endif
