@@ -38,8 +38,7 @@ typedef struct dpt_host dpt_host;
  * What a call has to say to a person, in one line.
  *   code   what the call returned
  *   text   after a failure, the file, its place and the reason. After a success, what a person should know, as that the
- *          coupling is softer than was asked for, and why; or "" for nothing. A cure that it names is an option of
- *          `dynpoint run`, as --unstable, which is DPT_HOST_FLAG_UNSTABLE here
+ *          coupling is softer than was asked for, and why; or "" for nothing
  */
 typedef struct dpt_host_error {
     uint32_t size; /* sizeof(dpt_host_error), set by the caller */

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "base/return_if_error.h"
+#include "scene/setting_words.h"
 
 /*
  * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
@@ -70,7 +71,8 @@ dpt_result host_session_couple(struct host_session *session, const struct host_s
                                                               : (uint32_t)settings->budget;
     scene->shows_contacts = settings->shows_contacts || scene->force.law != DPT_LAW_PROXY;
     if (scene->physics_rate > 0.0 && !is_by_clock)
-        DPT_TRY(scene_physics_check_loop(scene->physics_rate, device->rate, error));
+        DPT_TRY(scene_physics_check_loop(setting_names_for(scene->command)->physics, scene->physics_rate, device->rate,
+                                         error));
     DPT_TRY(host_coupling_choose(scene, device, &coupling, &session->coupling, error));
     DPT_TRY(scene_make_world(scene, device, session->budget, error));
     DPT_TRY(scene_bodies_check_step(&scene->bodies, path,
@@ -81,6 +83,36 @@ dpt_result host_session_couple(struct host_session *session, const struct host_s
         session->guard.force_max = settings->force_max;
     if (!settings->is_active)
         observe(session, device);
+    return DPT_OK;
+}
+
+static dpt_passivity_def passivity_of_text(const struct scene_text *text)
+{
+    dpt_passivity_def def;
+    dpt_passivity_def_init(&def);
+    def.damping = text->passive_damping;
+    def.spin_damping = text->passive_spin_damping;
+    def.force_max = text->passive_force_max;
+    def.torque_max = text->passive_torque_max;
+    def.force_slew = text->passive_force_slew;
+    def.torque_slew = text->passive_torque_slew;
+    def.delay = text->passive_delay;
+    return def;
+}
+
+dpt_result host_session_restore(struct host_session *session, const struct scene_text *text, dpt_host_error *error)
+{
+    const dpt_device_info device = { .size = sizeof device,
+                                     .flags = (uint32_t)text->device_flags,
+                                     .pose_dofs = (uint32_t)text->pose_dofs,
+                                     .wrench_dofs = (uint32_t)text->wrench_dofs,
+                                     .joints = (uint32_t)text->joints };
+    const dpt_passivity_def passivity = passivity_of_text(text);
+    struct scene *scene = &session->scene;
+    session->budget = (uint32_t)text->budget;
+    scene->sweep_budget = (uint32_t)text->sweep_budget;
+    DPT_TRY(scene_make_world(scene, &device, session->budget, error));
+    scene_passivity_begin(&scene->passivity, text->passivity ? &passivity : NULL);
     return DPT_OK;
 }
 
@@ -99,7 +131,8 @@ dpt_result host_session_start(struct host_session *session, dpt_host_error *erro
     if (!scene->stage.physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC ||
         scene_physics_start(scene->stage.physics, session->rate) == DPT_OK)
         return DPT_OK;
-    return host_refuse(error, DPT_E_SYSTEM, "--physics: there is no thread for it");
+    return host_refuse(error, DPT_E_SYSTEM, "%s: there is no thread for it",
+                       setting_names_for(scene->command)->physics);
 }
 
 void host_session_stop(struct host_session *session)

@@ -60,6 +60,12 @@ dpt_result host_session_couple(struct host_session *session, const struct host_s
                                const dpt_device_info *device, const char *path, dpt_host_error *error);
 
 /*
+ * Of a scene that was opened as a recording's text says, instead of host_session_couple: the world and the controller that
+ * there were, without a guard. Fields of the text are in range.
+ */
+dpt_result host_session_restore(struct host_session *session, const struct scene_text *text, dpt_host_error *error);
+
+/*
  * Before and after a loop: the thread of physics at a rate of its own, unless the device has a time of its own, by which
  * physics goes then. Without such physics they do nothing.
  */

@@ -9,6 +9,7 @@
 #include "base/quaternion.h"
 #include "base/return_if_error.h"
 #include "scene/host_file.h"
+#include "scene/setting_words.h"
 
 /* Device to root: a URDF's z is up and its x ahead; a device's y is up and its z towards the user. */
 static const double device_to_root[4] = { 0.5, 0.5, -0.5, -0.5 };
@@ -113,7 +114,7 @@ static dpt_result make_tips(struct scene *scene, const struct scene_def *def, dp
     dpt_arm_info info = { .size = sizeof info };
     if (scene->tool_arm && !arm && dpt_arm_get_info(scene->tool_arm, &info) == DPT_OK && info.tips && info.segments)
         host_note(error, "%s: note: its tool's tips are felt by the law proxy alone: left out", path);
-    return scene_tips_make(&scene->tips, path, &def->tips, arm, &def->jaw, error);
+    return scene_tips_make(&scene->tips, path, setting_names_for(def->command)->jaw, &def->tips, arm, &def->jaw, error);
 }
 
 /* What is curved and has no proxy is held against meshes as they were compiled. */
@@ -123,8 +124,8 @@ static dpt_result check_curved(const struct scene *scene, const struct scene_def
         if (scene_body_is_soft(&scene->bodies.body[i]))
             return host_refuse(error, DPT_E_UNSUPPORTED,
                                "%s: bodies[%u] gives way: by the laws point and bed curved tips feel rigid bodies "
-                               "alone (tool.law, --law)",
-                               def->path, (unsigned)i);
+                               "alone (tool.law, %s)",
+                               def->path, (unsigned)i, setting_names_for(def->command)->law);
     return DPT_OK;
 }
 
@@ -208,6 +209,7 @@ static dpt_result place_device(struct scene *scene, const struct scene_def *def,
 dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
+    const struct setting_names *names = setting_names_for(def->command);
     dpt_world_def defaults;
     memset(scene, 0, sizeof *scene);
     host_error_begin(error);
@@ -224,11 +226,11 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
     scene->physics_rate = def->physics;
     DPT_TRY(open_bodies(scene, def, error));
     if (def->physics != 0.0)
-        DPT_TRY(scene_physics_choose(&scene->bodies, def->path, def->physics, error));
+        DPT_TRY(scene_physics_choose(&scene->bodies, def->path, names->physics, def->physics, error));
     memcpy(scene->device_to_scene, scene->arm ? device_to_root : identity, sizeof scene->device_to_scene);
     if (!scene->bodies.count)
-        return host_refuse(error, DPT_E_EMPTY,
-                           "%s: an arm whose scene has no body: name a mesh, and this one as --tool", def->path);
+        return host_refuse(error, DPT_E_EMPTY, "%s: an arm whose scene has no body: name a mesh, and this one as %s",
+                           def->path, names->tool);
     DPT_TRY(load_tool_arm(scene, def, error));
     DPT_TRY(check_curved(scene, def, error));
     DPT_TRY(make_tips(scene, def, error));

@@ -8,6 +8,7 @@
 #include "base/return_if_error.h"
 #include "built_with.h"
 #include "scene/host_file.h"
+#include "scene/setting_words.h"
 
 void scene_def_init(struct scene_def *def, const char *command)
 {
@@ -72,10 +73,11 @@ static double first_given(double a, double b, double otherwise)
 static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
 {
     const struct scene_file *file = def->file;
+    const struct setting_names *names = setting_names_for(def->command);
     const int has_own = file && (file->arm || file->segment_count);
     if (has_own && !def->tool && (!isnan(def->length) || !isnan(def->radius)))
-        return host_refuse(error, DPT_E_ARGUMENT, "%s: --length and --radius are for a stylus; its tool is %s",
-                           def->path, file->arm ? "an arm's" : "segments");
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: %s and %s are for a stylus; its tool is %s", def->path,
+                           names->length, names->radius, file->arm ? "an arm's" : "segments");
     if (file && !def->tips.count && !def->tool)
         def->tips = file->tips;
     if (file && !def->jaw.is_given && !def->tool)
@@ -84,8 +86,8 @@ static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
         def->tool = file->arm;
     if (def->force.law != DPT_LAW_PROXY && !tip_shapes_are_curved(&def->tips))
         return host_refuse(error, DPT_E_ARGUMENT,
-                           "%s: tips are felt by the law proxy alone (tool.law, --law), but for curved ones",
-                           def->path);
+                           "%s: tips are felt by the law proxy alone (tool.law, %s), but for curved ones", def->path,
+                           names->law);
     return DPT_OK;
 }
 
@@ -105,8 +107,8 @@ static dpt_result check_responses(const struct scene_def *def, dpt_host_error *e
     if (displaced < 0 || def->force.law != DPT_LAW_PROXY)
         return DPT_OK;
     return host_refuse(error, DPT_E_ARGUMENT,
-                       "%s: bodies[%d].physics.response: displace is for the laws point and bed (tool.law, --law)",
-                       def->path, displaced);
+                       "%s: bodies[%d].physics.response: displace is for the laws point and bed (tool.law, %s)",
+                       def->path, displaced, setting_names_for(def->command)->law);
 }
 
 dpt_result scene_def_complete(struct scene_def *def, const uint32_t *law, dpt_host_error *error)

@@ -14,8 +14,9 @@ struct scene_bytes {
 };
 
 struct scene_def {
-    const char *command; /* of a program: what its own messages begin with */
-    const char *path;    /* of a compiled mesh or arm, of a scene file, or a name of scene_list.h */
+    /* Of the program: what its own messages begin with, and its options are what texts name. "": they name fields. */
+    const char *command;
+    const char *path; /* of a compiled mesh or arm, of a scene file, or a name of scene_list.h */
     /* Path of a compiled arm whose tool is used. NULL: the scene's own tool, or the stylus if it has none. */
     const char *tool;
     /* Of the path and of the tool. If there are any, the scene takes a copy, and no file is opened. */

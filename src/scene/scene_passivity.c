@@ -44,12 +44,18 @@ static int is_idle(const dpt_loop_sample *sample)
 void scene_passivity_step(struct scene_passivity *passivity, const dpt_loop_sample *sample, double energy,
                           double body_work, dpt_wrench *wrench)
 {
-    if (!passivity->is_used)
-        return;
-    if (is_idle(sample)) {
+    if (passivity->is_used && is_idle(sample)) {
         passivity->before = scene_passivity_info(passivity);
         restart(passivity);
     }
+    scene_passivity_go_on(passivity, sample, energy, body_work, wrench);
+}
+
+void scene_passivity_go_on(struct scene_passivity *passivity, const dpt_loop_sample *sample, double energy,
+                           double body_work, dpt_wrench *wrench)
+{
+    if (!passivity->is_used)
+        return;
     const dpt_passivity_sample seen = { .size = sizeof seen,
                                         .dt = sample->dt,
                                         .energy = energy,

@@ -17,11 +17,15 @@ struct scene_passivity {
 void scene_passivity_begin(struct scene_passivity *passivity, const dpt_passivity_def *def);
 
 /*
- * Limit a wrench, in the device's frame, to what the controller allows.
+ * Limit a wrench, in the device's frame, to what the controller allows. Where the device is idle the account begins anew.
  *   energy, body_work   of the tool, at the hand, J
  */
 void scene_passivity_step(struct scene_passivity *passivity, const dpt_loop_sample *sample, double energy,
                           double body_work, dpt_wrench *wrench);
+
+/* The same, whether the device is idle or not: the account of a trial goes on from its first sample. */
+void scene_passivity_go_on(struct scene_passivity *passivity, const dpt_loop_sample *sample, double energy,
+                           double body_work, dpt_wrench *wrench);
 
 /* Sums over all observers since scene_passivity_begin. */
 dpt_passivity_info scene_passivity_info(const struct scene_passivity *passivity);

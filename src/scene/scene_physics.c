@@ -138,11 +138,12 @@ struct scene_physics {
     uint64_t held_ns;
 };
 
-dpt_result scene_physics_choose(struct scene_bodies *bodies, const char *path, double rate, dpt_host_error *error)
+dpt_result scene_physics_choose(struct scene_bodies *bodies, const char *path, const char *name, double rate,
+                                dpt_host_error *error)
 {
     int is_soft = 0;
     if (!(rate >= SCENE_PHYSICS_RATE_MIN && rate <= SCENE_PHYSICS_RATE_MAX))
-        return host_refuse(error, DPT_E_ARGUMENT, "--physics must be %g to %g", SCENE_PHYSICS_RATE_MIN,
+        return host_refuse(error, DPT_E_ARGUMENT, "%s must be %g to %g", name, SCENE_PHYSICS_RATE_MIN,
                            SCENE_PHYSICS_RATE_MAX);
     for (uint32_t i = 0; i < bodies->count; i++) {
         struct scene_body *body = &bodies->body[i];
@@ -151,23 +152,23 @@ dpt_result scene_physics_choose(struct scene_bodies *bodies, const char *path, d
         is_soft = 1;
         if (body->response == DPT_RESPONSE_DISPLACE)
             return host_refuse(error, DPT_E_UNSUPPORTED,
-                               "%s: --physics: bodies[%u] is displaced by the tool, which is part of "
+                               "%s: %s: bodies[%u] is displaced by the tool, which is part of "
                                "each tick: its springs cannot be stepped apart",
-                               path, (unsigned)i);
+                               path, name, (unsigned)i);
         body->period = fmax(body->period, 1.0 / rate);
     }
-    return is_soft ? DPT_OK : host_refuse(error, DPT_E_ARGUMENT, "%s: --physics: none of its bodies gives way", path);
+    return is_soft ? DPT_OK : host_refuse(error, DPT_E_ARGUMENT, "%s: %s: none of its bodies gives way", path, name);
 }
 
-dpt_result scene_physics_check_loop(double rate, double loop_rate, dpt_host_error *error)
+dpt_result scene_physics_check_loop(const char *name, double rate, double loop_rate, dpt_host_error *error)
 {
     const double ratio = loop_rate / rate, whole = round(ratio);
     if (whole >= 1.0 && fabs(ratio - whole) <= WHOLE_NUMBER * ratio)
         return DPT_OK;
     return host_refuse(error, DPT_E_ARGUMENT,
-                       "--physics %g: this device has a time of its own, so that physics is stepped "
+                       "%s %g: this device has a time of its own, so that physics is stepped "
                        "every so many ticks: its rate must divide the %g Hz of the loop",
-                       rate, loop_rate);
+                       name, rate, loop_rate);
 }
 
 dpt_result scene_physics_open(struct scene_physics **made, struct scene_bodies *bodies, double rate)

@@ -73,12 +73,13 @@ struct scene_physics;
 
 /*
  * Before bodies are added to a world: refuse what cannot be stepped apart, and let the vertices move smoothly from one
- * step of physics to the next. `path` is the scene's.
+ * step of physics to the next. `path` is the scene's, `name` that of the rate in texts (setting_words.h).
  */
-dpt_result scene_physics_choose(struct scene_bodies *bodies, const char *path, double rate, dpt_host_error *error);
+dpt_result scene_physics_choose(struct scene_bodies *bodies, const char *path, const char *name, double rate,
+                                dpt_host_error *error);
 
 /* By the time of a loop at this rate, Hz: refuse physics whose period is no whole number of the loop's. */
-dpt_result scene_physics_check_loop(double rate, double loop_rate, dpt_host_error *error);
+dpt_result scene_physics_check_loop(const char *name, double rate, double loop_rate, dpt_host_error *error);
 
 /* Of bodies that were added to a world. DPT_E_MEMORY: memory ran out. */
 dpt_result scene_physics_open(struct scene_physics **physics, struct scene_bodies *bodies, double rate);

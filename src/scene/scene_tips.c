@@ -43,6 +43,14 @@ const char *jaw_motion_fault(const struct jaw_motion *motion)
     return motion->seconds > 0.0 ? NULL : "with a button its time must be above 0";
 }
 
+dpt_result jaw_motion_read(struct jaw_motion *motion, const char *name, const char *text, dpt_host_error *error)
+{
+    if (!jaw_motion_parse(motion, text, text + strlen(text)))
+        return host_refuse(error, DPT_E_ARGUMENT, "%s takes SHARE or FROM:TO:SECONDS[:BUTTON]; it is '%s'", name, text);
+    const char *fault = jaw_motion_fault(motion);
+    return fault ? host_refuse(error, DPT_E_ARGUMENT, "%s %s: %s", name, text, fault) : DPT_OK;
+}
+
 double jaw_motion_time(const struct jaw_motion *motion, double time, double dt, uint32_t buttons)
 {
     if (motion->button < 0.0)
@@ -98,7 +106,7 @@ static dpt_result find_poses(struct scene_tips *tips, const double *jaws)
     return result;
 }
 
-dpt_result scene_tips_make(struct scene_tips *tips, const char *path, const struct tip_shapes *shapes,
+dpt_result scene_tips_make(struct scene_tips *tips, const char *path, const char *jaw, const struct tip_shapes *shapes,
                            const dpt_arm *arm, const struct jaw_motion *motion, dpt_host_error *error)
 {
     static const dpt_pose identity = DPT_POSE_IDENTITY;
@@ -111,7 +119,7 @@ dpt_result scene_tips_make(struct scene_tips *tips, const char *path, const stru
     tips->arm = info.tips ? arm : NULL;
     tips->jaws = info.jaws;
     if (motion->is_given && !tips->jaws)
-        return host_refuse(error, DPT_E_ARGUMENT, "%s: its tool has no jaws to move (--jaw)", path);
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: its tool has no jaws to move (%s)", path, jaw);
     for (; tips->count < shapes->count + info.tips; tips->count++) {
         const uint32_t i = tips->count;
         tips->poses[i] = identity;

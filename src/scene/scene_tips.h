@@ -22,6 +22,9 @@ struct jaw_motion {
 /* Read "SHARE", "FROM:TO:SECONDS" or "FROM:TO:SECONDS:BUTTON". 0: it is none. */
 int jaw_motion_parse(struct jaw_motion *motion, const char *text, const char *end);
 
+/* The same of a setting of this name (setting_words.h), and whether there is such a motion. */
+dpt_result jaw_motion_read(struct jaw_motion *motion, const char *name, const char *text, dpt_host_error *error);
+
 /* Why there is no such motion, for the end of a message; NULL: there is one. */
 const char *jaw_motion_fault(const struct jaw_motion *motion);
 
@@ -46,8 +49,8 @@ struct scene_tips {
     double time; /* s, on the way of the motion */
 };
 
-/* The error names `path`. `arm` may be NULL. */
-dpt_result scene_tips_make(struct scene_tips *tips, const char *path, const struct tip_shapes *shapes,
+/* The error names `path`, and the motion by `jaw` (setting_words.h). `arm` may be NULL. */
+dpt_result scene_tips_make(struct scene_tips *tips, const char *path, const char *jaw, const struct tip_shapes *shapes,
                            const dpt_arm *arm, const struct jaw_motion *motion, dpt_host_error *error);
 void scene_tips_close(struct scene_tips *tips);
 

@@ -151,7 +151,7 @@ static int read_kind(const char *word, size_t length)
     return -1;
 }
 
-dpt_result tip_shape_parse(struct tip_shape *shape, const char *text, dpt_host_error *error)
+dpt_result tip_shape_parse(struct tip_shape *shape, const char *name, const char *text, dpt_host_error *error)
 {
     static const dpt_pose identity = DPT_POSE_IDENTITY;
     const char *end = text + strlen(text), *colon = strchr(text, ':');
@@ -159,14 +159,14 @@ dpt_result tip_shape_parse(struct tip_shape *shape, const char *text, dpt_host_e
     double numbers[4] = { 0.0 };
     if (kind < 0 || read_numbers(colon + 1, end, numbers, 4) < 3)
         return host_refuse(error, DPT_E_ARGUMENT,
-                           "--tip takes SHAPE:X,Y,Z or SHAPE:X,Y,Z,RADIUS, with the shape box, wedge, "
+                           "%s takes SHAPE:X,Y,Z or SHAPE:X,Y,Z,RADIUS, with the shape box, wedge, "
                            "cylinder, cone, ellipsoid, capsule, curved-cylinder or curved-cone; it is '%s'",
-                           text);
+                           name, text);
     *shape = (struct tip_shape){
         .kind = (uint32_t)kind, .extent = { numbers[0], numbers[1], numbers[2] }, .radius = numbers[3], .pose = identity
     };
     const char *fault = tip_shape_fault(shape);
-    return fault ? host_refuse(error, DPT_E_ARGUMENT, "--tip %s: %s", text, fault) : DPT_OK;
+    return fault ? host_refuse(error, DPT_E_ARGUMENT, "%s %s: %s", name, text, fault) : DPT_OK;
 }
 
 /* The numbers of a line in their order. */

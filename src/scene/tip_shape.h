@@ -59,8 +59,8 @@ double tip_shapes_error(const struct tip_shapes *tips); /* the largest of them *
 /* Make the hull. *block is what to free once no tool uses it; NULL after a failure. */
 dpt_result tip_shape_make(const struct tip_shape *shape, void **block, const dpt_hull **hull);
 
-/* Read the text of --tip, "SHAPE:X,Y,Z" or "SHAPE:X,Y,Z,RADIUS". */
-dpt_result tip_shape_parse(struct tip_shape *shape, const char *text, dpt_host_error *error);
+/* Read "SHAPE:X,Y,Z" or "SHAPE:X,Y,Z,RADIUS", the text of a setting of this name (setting_words.h). */
+dpt_result tip_shape_parse(struct tip_shape *shape, const char *name, const char *text, dpt_host_error *error);
 
 /* Its line in a recording: write all but the key, at most `room` bytes with a zero; read from `text` to `end`. */
 enum { TIP_SHAPE_LINE = 400 };

@@ -172,7 +172,8 @@ static int choose_stiffness(struct plan *plan, const struct scene *scene, const 
                                               .gain_margin = PLAN_GAIN_MARGIN,
                                               .rate = plan->asked.rate,
                                               .loop_delay = HOST_LOOP_DELAY_PERIODS / plan->asked.rate };
-    if (complain_of("plan", host_coupling_find(scene, &info, &options, &coupling, &said), &said))
+    const struct coupled_tool tool = host_coupled_tool(scene);
+    if (complain_of("plan", host_coupling_find(&tool, &info, &options, &coupling, &said), &said))
         return 2;
     if (!isnan(asked) && coupling.limit != DPT_COUPLING_ASKED) {
         say_limit(&coupling, asked);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/quaternion.h"
+#include "host/host_coupling.h"
 
 /* m: from where a tool is lowered, beside half its length, and by what steps. */
 #define ABOVE  0.03
@@ -325,23 +326,22 @@ static dpt_device *open_device(const struct hand_device *device, double step, do
 
 dpt_coupling hand_loop_choose(const struct hand_loop *loop, double margin)
 {
+    const struct coupled_tool tool = { .rho = loop->tool.length / sqrt(12.0),
+                                       .zoom = or_one(loop->zoom),
+                                       .force_scale = or_one(loop->force_scale) };
+    struct coupling_options options = { .stiffness = NAN, .gain_margin = margin };
     dpt_coupling coupling = { .size = sizeof coupling };
-    dpt_coupling_def def;
     dpt_device_info info = { .size = sizeof info };
+    dpt_host_error error = { .size = sizeof error };
     dpt_device *device = open_device(&loop->device, loop->device.step, loop->device.turn_step);
-    dpt_coupling_def_init(&def);
     if (!device)
         return coupling;
     dpt_device_get_info(device, &info);
     dpt_device_close(device);
-    dpt_device_fill_coupling(&info, &def);
-    def.rho = loop->tool.length / sqrt(12.0);
-    def.zoom = or_one(loop->zoom);
-    def.force_scale = or_one(loop->force_scale);
-    def.gain_margin = margin;
+    options.rate = info.rate;
     if (loop->tissue && loop->tissue->is_interpolated && !loop->is_uncounted)
-        def.loop_delay = tissue_period(loop->tissue);
-    dpt_coupling_for_device(&def, &coupling);
+        options.loop_delay = tissue_period(loop->tissue);
+    host_coupling_find(&tool, &info, &options, &coupling, &error);
     return coupling;
 }
 
@@ -403,13 +403,13 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     const dpt_force_info report = loop->place ? step_to(loop, at, sample->dt) : spring(loop, at, sample->dt);
     *wrench = report.wrench;
     if (loop->passivity) {
-        const dpt_passivity_sample seen = { .size = sizeof seen,
-                                            .dt = sample->dt,
-                                            .energy = report.energy,
-                                            .body_work = loop->is_uncredited ? 0.0 : report.body_work,
-                                            .pose = pose_at(at),
-                                            .sent = sample->sent };
-        dpt_passivity_step(&loop->observer, &seen, wrench);
+        /* It knows of the device what the encoders tell. */
+        dpt_device_state state = *sample->state;
+        dpt_loop_sample seen = *sample;
+        state.pose = pose_at(at);
+        seen.state = &state;
+        scene_passivity_go_on(&loop->observer, &seen, report.energy, loop->is_uncredited ? 0.0 : report.body_work,
+                              wrench);
     }
     note(loop, sample, time, &report);
     const double tapped = loop->has_begun ? 0.0 : sample->info->rate;
@@ -451,10 +451,8 @@ int hand_loop_run(struct hand_loop *loop, uint64_t ticks)
     def.user = loop;
     def.guard = loop->guard ? loop->guard : &open;
     loop->has_begun = 0;
-    loop->observer.size = sizeof loop->observer;
-    int is_run = device && make_room(loop, ticks) && dpt_loop_open(device, &def, &loop->running) == DPT_OK;
-    if (is_run && loop->passivity)
-        is_run = dpt_passivity_init(&loop->observer, loop->passivity) == DPT_OK;
+    scene_passivity_begin(&loop->observer, loop->passivity);
+    const int is_run = device && make_room(loop, ticks) && dpt_loop_open(device, &def, &loop->running) == DPT_OK;
     if (is_run)
         dpt_loop_run(loop->running, NULL);
     dpt_loop_close(loop->running);
@@ -475,7 +473,5 @@ double hand_min(double a, double b)
 
 dpt_passivity_info hand_loop_account(const struct hand_loop *loop)
 {
-    dpt_passivity_info info = { .size = sizeof info };
-    dpt_passivity_get_info(&loop->observer, &info);
-    return info;
+    return scene_passivity_info(&loop->observer);
 }

@@ -21,6 +21,7 @@
 #include "lab/hand_place.h"
 #include "lab/lab.h"
 #include "lab/tissue.h"
+#include "scene/scene_passivity.h"
 #include "scene/scene_stage.h"
 
 enum { HAND_AXES = 6 };
@@ -81,7 +82,7 @@ struct hand_loop {
     double first[HAND_AXES];   /* the law's wrench at zero, at the hand */
     double before[HAND_AXES];  /* where the linear spring was */
     int has_begun;
-    dpt_passivity observer;
+    struct scene_passivity observer;
     dpt_loop *running;
     struct hand_moment *track;
     size_t count, room;

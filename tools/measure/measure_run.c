@@ -143,9 +143,9 @@ static int choose_physics(struct measured *measured, const struct measure_run *r
     dpt_host_error error = { .size = sizeof error };
     if (!(rate > 0.0) || !has_soft(&measured->bodies))
         return 0;
-    dpt_result result = scene_physics_choose(&measured->bodies, "the scene", rate, &error);
+    dpt_result result = scene_physics_choose(&measured->bodies, "the scene", "--physics", rate, &error);
     if (result == DPT_OK)
-        result = scene_physics_check_loop(rate, 1.0 / run->setting.dt, &error);
+        result = scene_physics_check_loop("--physics", rate, 1.0 / run->setting.dt, &error);
     return complain_of(scene->command, result, &error);
 }
 

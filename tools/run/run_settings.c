@@ -146,10 +146,8 @@ static int read_plan(struct run_settings *settings, size_t operands, const char 
 
 static int read_jaw(struct jaw_motion *motion, const char *text)
 {
-    if (!jaw_motion_parse(motion, text, text + strlen(text)))
-        return complain("run", "--jaw takes SHARE or FROM:TO:SECONDS[:BUTTON]; it is '%s'", text);
-    const char *fault = jaw_motion_fault(motion);
-    return fault ? complain("run", "--jaw %s: %s", text, fault) : 0;
+    dpt_host_error error = { .size = sizeof error };
+    return complain_of("run", jaw_motion_read(motion, "--jaw", text, &error), &error);
 }
 
 /* What shapes the scene's feel: ranges, and options that need each other. Returns 0, or 2 after a message. */

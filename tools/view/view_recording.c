@@ -25,7 +25,7 @@ enum { TICKS_ROOM = 4096 };
 /* The frames of a recording as they are made. */
 struct filming {
     struct view_stream *stream;
-    struct scene *scene;
+    struct host_session *session;
     dpt_snapshot_def def;
     uint32_t vertices; /* of the scene */
     uint64_t vertices_sent;
@@ -37,7 +37,6 @@ struct filming {
     int has_moved;
     double time, next_time;
     uint64_t missing;
-    struct scene_trouble trouble;
 };
 
 /* Returns 0 if memory ran out. */
@@ -47,8 +46,8 @@ static int add_frame(struct filming *filming)
     const int has_room = filming->vertices_sent < VERTICES_BYTES;
     const int is_due = filming->number % VERTICES_EVERY == 0;
     filming->def.max_vertices = filming->has_moved && has_room && is_due ? filming->vertices : 0;
-    if (dpt_world_take_snapshot(filming->scene->stage.world, &filming->def, filming->snapshot, filming->capacity,
-                                &size) != DPT_OK)
+    if (dpt_world_take_snapshot(filming->session->scene.stage.world, &filming->def, filming->snapshot,
+                                filming->capacity, &size) != DPT_OK)
         return 0;
     if (filming->def.max_vertices) {
         filming->has_moved = 0;
@@ -75,10 +74,11 @@ static int film_tick(struct filming *filming, const dpt_record *record)
 {
     dpt_device_state state;
     dpt_wrench wrench = { { 0.0 }, { 0.0 } };
-    struct scene *scene = filming->scene;
+    struct scene *scene = &filming->session->scene;
+    const uint64_t failed = filming->session->counts.trouble.failed;
     const dpt_loop_sample sample = sample_of_record(record, &state, &scene->device);
-    const dpt_result result = scene_feel(scene, &sample, &wrench);
-    if (!scene_trouble_note(&filming->trouble, scene, &sample, result) && result != DPT_OK)
+    const dpt_result result = host_session_feel(filming->session, &sample, &wrench);
+    if (result != DPT_OK && filming->session->counts.trouble.failed == failed)
         return 1;
     filming->time += sample.dt;
     filming->has_moved |= scene->bodies.moves != filming->moves_before;
@@ -128,7 +128,7 @@ static int film(struct filming *filming, struct recording_file *recording, char 
     size_t used = strlen(why);
     if (filming->missing)
         snprintf(why + used, room - used, " %" PRIu64 " records are missing in it.", filming->missing);
-    *is_wrong = scene_trouble_text(&filming->trouble, filming->scene, wrong);
+    *is_wrong = scene_trouble_text(&filming->session->counts.trouble, &filming->session->scene, wrong);
     used = strlen(why);
     if (*is_wrong)
         snprintf(why + used, room - used, " %s", wrong);
@@ -167,11 +167,11 @@ static int begin(struct filming *filming, const struct view_recording_files *fil
                                            .rate = rate,
                                            .force_max = text->force_max };
     size_t size = 0;
-    void *scene = scene_picture_message(filming->scene, &picture, &size);
-    filming->vertices = scene_picture_vertices(filming->scene);
+    void *scene = scene_picture_message(&filming->session->scene, &picture, &size);
+    filming->vertices = scene_picture_vertices(&filming->session->scene);
     dpt_snapshot_def_init(&filming->def);
     filming->def.max_vertices = filming->vertices;
-    filming->capacity = dpt_snapshot_bytes(filming->scene->stage.world, &filming->def);
+    filming->capacity = dpt_snapshot_bytes(filming->session->scene.stage.world, &filming->def);
     filming->snapshot = malloc(filming->capacity);
     if (!view_stream_add(filming->stream, scene, size) || !filming->snapshot)
         return complain("view", "memory ran out");
@@ -181,7 +181,7 @@ static int begin(struct filming *filming, const struct view_recording_files *fil
 int view_recording(struct view_stream *stream, const struct view_recording_files *files, int *is_wrong)
 {
     struct recording_file recording;
-    struct scene scene = { .command = NULL };
+    struct host_session session = { .budget = 0 };
     struct scene_text *text = malloc(sizeof *text);
     dpt_host_error error = { .size = sizeof error };
     struct filming *filming = calloc(1, sizeof *filming);
@@ -196,10 +196,10 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     if (status == 0)
         status = check_tool(files, text);
     if (status == 0)
-        status = recording_scene_open(&scene, "view", files->recording, text, files->mesh, files->tool);
+        status = recording_session_open(&session, "view", files->recording, text, files->mesh, files->tool);
     if (status == 0) {
         filming->stream = stream;
-        filming->scene = &scene;
+        filming->session = &session;
         status = begin(filming, files, text, recording.header.rate);
     }
     if (status == 0)
@@ -207,7 +207,7 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     if (status == 0 && !view_stream_add_end(stream, why))
         status = complain("view", "memory ran out");
     recording_close(&recording);
-    scene_close(&scene);
+    scene_close(&session.scene);
     if (filming)
         free(filming->snapshot);
     free(filming);
