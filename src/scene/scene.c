@@ -95,7 +95,7 @@ static void *load_bytes(const char *path, const struct scene_bytes *given, size_
 static dpt_result load_tool_arm(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
     size_t size = 0;
-    scene->tool_arm = scene->arm;
+    scene->tool_arm = def->segment_count ? NULL : scene->arm;
     if (!def->tool)
         return DPT_OK;
     scene->tool_bytes = load_bytes(def->tool, &def->tool_bytes, &size, error);
@@ -117,9 +117,12 @@ static dpt_result make_tips(struct scene *scene, const struct scene_def *def, dp
     return scene_tips_make(&scene->tips, path, setting_names_for(def->command)->jaw, &def->tips, arm, &def->jaw, error);
 }
 
-/* What is curved and has no proxy is held against meshes as they were compiled. */
-static dpt_result check_curved(const struct scene *scene, const struct scene_def *def, dpt_host_error *error)
+/* What the law cannot feel: bodies of the caller's that move out of a proxy's way, and curved tips at what gives way. */
+static dpt_result check_law(const struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
+    if (def->body_count && def->force.law == DPT_LAW_PROXY && scene_bodies_displace(&scene->bodies))
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: bodies: displace is for the laws point and bed (%s)", def->path,
+                           setting_names_for(def->command)->law);
     for (uint32_t i = 0; i < scene->bodies.count && def->tips.count && def->force.law != DPT_LAW_PROXY; i++)
         if (scene_body_is_soft(&scene->bodies.body[i]))
             return host_refuse(error, DPT_E_UNSUPPORTED,
@@ -134,7 +137,10 @@ static uint32_t load_segments(struct scene *scene, const struct scene_def *def, 
                               dpt_host_error *error)
 {
     uint32_t count = scene->tool_arm ? copy_tool_segments(scene->tool_arm, segments) : 0;
-    if (!scene->tool_arm && def->file) {
+    if (def->segment_count) {
+        count = def->segment_count;
+        memcpy(segments, def->segments, count * sizeof *segments);
+    } else if (!scene->tool_arm && def->file) {
         count = def->file->segment_count;
         memcpy(segments, def->file->segments, count * sizeof *segments);
     }
@@ -162,6 +168,11 @@ static dpt_result open_bodies(struct scene *scene, const struct scene_def *def, 
     const char *path = def->path;
     const struct listed_scene *listed = scene_listed(path);
     size_t size = 0;
+    if (def->body_count) {
+        DPT_TRY(scene_bodies_of_caller(&scene->bodies, path, def->bodies, def->body_count, error));
+        scene->bodies.gravity = def->gravity;
+        return DPT_OK;
+    }
     if (listed && !def->scene_bytes.bytes)
         return scene_bodies_of_list(&scene->bodies, listed, &scene->file, error);
     if (def->file) {
@@ -232,7 +243,7 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
         return host_refuse(error, DPT_E_EMPTY, "%s: an arm whose scene has no body: name a mesh, and this one as %s",
                            def->path, names->tool);
     DPT_TRY(load_tool_arm(scene, def, error));
-    DPT_TRY(check_curved(scene, def, error));
+    DPT_TRY(check_law(scene, def, error));
     DPT_TRY(make_tips(scene, def, error));
     DPT_TRY(place_device(scene, def, error));
     scene->segment_count = load_segments(scene, def, scene->segments, error);

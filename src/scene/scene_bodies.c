@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "base/sized.h"
 #include "scene/host_file.h"
 #include "scene/shape.h"
 
@@ -119,6 +120,60 @@ dpt_result scene_bodies_of_file(struct scene_bodies *bodies, const char *path, c
         body->settings = from->settings;
         DPT_TRY(from->mesh ? load_body(body, where, from, identity, error)
                            : make_body(body, where, &from->listed, identity, error));
+    }
+    return DPT_OK;
+}
+
+/* Why it cannot be; NULL: it can. */
+static const char *fault_of(const dpt_host_body *body)
+{
+    const double numbers[] = { body->load_radius, body->period, body->room };
+    dpt_mesh_info info = { .size = sizeof info };
+    if (dpt_mesh_get_info(body->mesh, &info) != DPT_OK)
+        return "it has no mesh";
+    if (body->flags & ~(uint32_t)DPT_HOST_BODY_FLAG_RIGID || body->reserved)
+        return "it has flags that there are not";
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (!(numbers[i] >= 0.0 && numbers[i] <= (i == 1 ? 1000.0 : DPT_COORDINATE_MAX)))
+            return "load_radius and room must be 0 to 1e6 m, period 0 to 1000 s";
+    if (!(body->sleep_speed >= -1.0 && body->sleep_speed <= DPT_COORDINATE_MAX))
+        return "sleep_speed must be -1 to 1e6 m/s";
+    if (body->integrator > DPT_INTEGRATOR_IMPLICIT || body->response > DPT_RESPONSE_DISPLACE || body->iterations > 1024)
+        return "integrator, response or iterations are none of those that there are";
+    return body->response == DPT_RESPONSE_DISPLACE && info.nodes ? "response: displace is for springs of a sheet"
+                                                                 : NULL;
+}
+
+dpt_result scene_bodies_of_caller(struct scene_bodies *bodies, const char *path, const dpt_host_body *from,
+                                  uint32_t count, dpt_host_error *error)
+{
+    const dpt_pose identity = DPT_POSE_IDENTITY;
+    memset(bodies, 0, sizeof *bodies);
+    for (uint32_t i = 0; i < count; i++) {
+        dpt_host_body given = { .size = sizeof given };
+        struct scene_body *body = &bodies->body[bodies->count];
+        dpt_result result = sized_take(sized_item(from, i), sized_of(from), sizeof given, &given, sizeof given);
+        const char *fault = result == DPT_OK ? fault_of(&given) : dpt_result_text(result);
+        if (!fault && given.settings) {
+            body->settings.size = sizeof body->settings;
+            result = sized_read(given.settings, sizeof body->settings, &body->settings, sizeof body->settings);
+            fault = result == DPT_OK ? NULL : dpt_result_text(result);
+        }
+        if (fault)
+            return host_refuse(error, result == DPT_OK ? DPT_E_ARGUMENT : result, "%s: bodies[%u]: %s", path,
+                               (unsigned)i, fault);
+        body->mesh = given.mesh;
+        body->pose = given.pose ? *given.pose : identity;
+        body->name = given.name;
+        body->is_rigid = (given.flags & DPT_HOST_BODY_FLAG_RIGID) != 0;
+        body->load_radius = given.load_radius;
+        body->period = given.period;
+        body->room = given.room;
+        body->sleep_speed = given.sleep_speed;
+        body->integrator = given.integrator;
+        body->iterations = given.iterations;
+        body->response = given.response;
+        bodies->count++;
     }
     return DPT_OK;
 }

@@ -65,6 +65,10 @@ dpt_result scene_bodies_of_list(struct scene_bodies *bodies, const struct listed
 dpt_result scene_bodies_of_file(struct scene_bodies *bodies, const char *path, const struct scene_file *file,
                                 struct file_identity *identity, dpt_host_error *error);
 
+/* Of the caller's own, whose meshes stay open. */
+dpt_result scene_bodies_of_caller(struct scene_bodies *bodies, const char *path, const dpt_host_body *from,
+                                  uint32_t count, dpt_host_error *error);
+
 void scene_bodies_close(struct scene_bodies *bodies);
 
 /* The middle of the top of the first one's box, y being up, m. */

@@ -78,11 +78,12 @@ static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
     if (has_own && !def->tool && (!isnan(def->length) || !isnan(def->radius)))
         return host_refuse(error, DPT_E_ARGUMENT, "%s: %s and %s are for a stylus; its tool is %s", def->path,
                            names->length, names->radius, file->arm ? "an arm's" : "segments");
-    if (file && !def->tips.count && !def->tool)
+    const int takes_file = file && !def->tool && !def->segment_count;
+    if (takes_file && !def->tips.count)
         def->tips = file->tips;
-    if (file && !def->jaw.is_given && !def->tool)
+    if (takes_file && !def->jaw.is_given)
         def->jaw = file->jaw;
-    if (file && file->arm && !def->tool)
+    if (takes_file && file->arm)
         def->tool = file->arm;
     if (def->force.law != DPT_LAW_PROXY && !tip_shapes_are_curved(&def->tips))
         return host_refuse(error, DPT_E_ARGUMENT,
@@ -124,7 +125,7 @@ dpt_result scene_def_complete(struct scene_def *def, const uint32_t *law, dpt_ho
     def->radius = first_given(def->radius, file ? file->radius : NAN, listed ? listed->radius : 0.002);
     if (def->clutch < 0 && file)
         def->clutch = file->clutch;
-    if (isnan(def->force.friction) && !file && !listed)
+    if (isnan(def->force.friction) && !file && !listed && !def->body_count)
         def->force.friction = 0.0;
     return DPT_OK;
 }

@@ -33,6 +33,11 @@ struct scene_def {
     struct tip_shapes tips;
     struct jaw_motion jaw; /* of the arm's tool */
     struct force_options force;
+    /* In place of a scene and of the tool's own segments: those of the caller, which stay until scene_open. Counts of 0: none. */
+    const dpt_host_body *bodies;
+    const dpt_segment *segments;
+    uint32_t body_count, segment_count;
+    double gravity;          /* m/s^2, of these bodies */
     double physics;          /* Hz, of what gives way, apart from the loop; 0: in each of its ticks */
     struct scene_file *file; /* of scene_def_read; NULL: the path is of no scene file */
 };

@@ -418,7 +418,7 @@ static void structs_of_any_size(void)
     dpt_host_def def;
     const dpt_device_info device = info_of_device("sim");
     const dpt_device_state state = { .size = sizeof state };
-    const struct sized of_def = { "dpt_host_def", sizeof(dpt_host_def), sizeof(dpt_host_def), def_of };
+    const struct sized of_def = { "dpt_host_def", offsetof(dpt_host_def, tips), sizeof(dpt_host_def), def_of };
     const struct sized of_error = { "dpt_host_error", sizeof(dpt_host_error), sizeof(dpt_host_error), error_of };
     const struct sized of_info = { "dpt_host_info", sizeof(dpt_host_info), sizeof(dpt_host_info), counts_of };
     const struct sized of_device = { "dpt_device_info of a host", sizeof device, sizeof device, info_taken };

@@ -14,7 +14,6 @@
 #include "host/host_session.h"
 #include "plan/plan_trace.h"
 #include "record/plan_text.h"
-#include "record/recording_embed.h"
 #include "record/run_trace.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
@@ -340,6 +339,7 @@ static int run_loop(struct session *session, const struct run_settings *settings
 
 static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)
 {
+    dpt_host_error error = { .size = sizeof error };
     dpt_loop_def def;
     dpt_loop *loop;
     double seconds;
@@ -366,7 +366,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     if (status)
         return status;
     if ((status = closed) == 0 && settings->embeds)
-        status = recording_embed_write(&settings->embed, settings->record);
+        status = complain_of("run", host_embed_write(&settings->embed, settings->record, &error), &error);
     dpt_device_get_counts(device, &counts);
     const int is_wrong = scene_trouble_text(&session->host.counts.trouble, &session->host.scene, session->wrong);
     (settings->json ? print_json : print_report)(session, &stats, &counts);
@@ -410,12 +410,14 @@ static int run(const struct run_settings *settings)
 int command_run(int argc, char **argv)
 {
     struct run_settings settings;
+    dpt_host_error error = { .size = sizeof error };
     int status = run_settings_read(&settings, argc, argv);
-    if (status < 0 && settings.embeds && recording_embed_load(&settings.embed, &settings.scene, settings.record))
+    if (status < 0 && settings.embeds &&
+        complain_of("run", host_embed_load(&settings.embed, &settings.scene, settings.record, &error), &error))
         status = 2;
     if (status < 0)
         status = run(&settings);
-    recording_embed_free(&settings.embed);
+    host_embed_free(&settings.embed);
     plan_free(&settings.plan);
     scene_def_free(&settings.scene);
     return status;
