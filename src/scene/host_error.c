@@ -5,12 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-void host_error_begin(dpt_host_error *error)
-{
-    error->code = DPT_OK;
-    error->text[0] = '\0';
-}
-
 dpt_result host_refuse(dpt_host_error *error, dpt_result code, const char *format, ...)
 {
     va_list arguments;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is said where something cannot be had. */
+/* What is said where something cannot be had. An error begins with zeros behind its size. */
 #ifndef DPT_HOST_ERROR_H
 #define DPT_HOST_ERROR_H
 
@@ -10,9 +10,6 @@
 #else
 #define HOST_FORMAT(text, first)
 #endif
-
-/* Begin: nothing is wrong, and nothing is said. */
-void host_error_begin(dpt_host_error *error);
 
 /* Fill in an error; returns the code. */
 dpt_result host_refuse(dpt_host_error *error, dpt_result code, const char *format, ...) HOST_FORMAT(3, 4);

@@ -223,7 +223,6 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
     const struct setting_names *names = setting_names_for(def->command);
     dpt_world_def defaults;
     memset(scene, 0, sizeof *scene);
-    host_error_begin(error);
     dpt_world_def_init(&defaults);
     scene->sweep_budget = defaults.sweep_budget;
     scene->shows_contacts = 1;
