@@ -156,7 +156,7 @@ typedef struct dpt_host_info {
     uint64_t put;                /* in which the proxy was put at the device (docs/algorithms/force.md) */
     uint64_t inside;             /* without force, as the tool may be inside of something, or behind it */
     uint64_t limited;            /* whose wrench the controller of passivity changed */
-    double taken;                /* J that it took away */
+    double taken;                /* J: dpt_passivity_info.taken */
     double account_min;          /* J: the least of its account */
     double depth_max;            /* m of the scene: the deepest */
     double force_max;            /* N at the hand: the strongest, before the guard */

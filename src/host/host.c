@@ -352,12 +352,12 @@ dpt_result dpt_host_open(const dpt_host_def *given, dpt_host **out, dpt_host_err
         *out = NULL;
     if (error)
         DPT_TRY(sized_check(error, sizeof *error, 0));
-    if (!given || !out)
-        return DPT_E_ARGUMENT;
     dpt_host_def_init(&def);
-    DPT_TRY(sized_read(given, SIZED_FIRST(dpt_host_def, tips), &def, sizeof def));
-    dpt_host *host = calloc(1, sizeof *host);
-    const dpt_result result = host ? open_host(host, &def, &own) : DPT_E_MEMORY;
+    dpt_result result =
+        given && out ? sized_read(given, SIZED_FIRST(dpt_host_def, tips), &def, sizeof def) : DPT_E_ARGUMENT;
+    dpt_host *host = result == DPT_OK ? calloc(1, sizeof *host) : NULL;
+    if (result == DPT_OK)
+        result = host ? open_host(host, &def, &own) : DPT_E_MEMORY;
     if (result != DPT_OK && !own.code)
         host_refuse(&own, result, "%s", dpt_result_text(result));
     if (result == DPT_OK)
@@ -397,9 +397,8 @@ dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats, dpt_host_error *e
     dpt_host_error own = { .size = sizeof own };
     if (error)
         DPT_TRY(sized_check(error, sizeof *error, 0));
-    if (!host || !host->loop)
-        return DPT_E_ARGUMENT;
-    dpt_result result = host_session_start(&host->session, &own);
+    dpt_result result = host && host->loop ? host_session_start(&host->session, &own)
+                                           : host_refuse(&own, DPT_E_ARGUMENT, "the host has no device");
     if (result == DPT_OK) {
         result = dpt_loop_run(host->loop, stats);
         host_session_stop(&host->session);
