@@ -274,7 +274,7 @@ check-page: all $(B)/tests/page/feel_again ## the page with the core in it, agai
 pictures: all ## the pictures of README and docs: drawings by the core itself, stills and a moving one by a headless Chromium
 	@sh tests/pictures/make.sh $(B)
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs host_ticks)
 measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
@@ -330,6 +330,8 @@ $(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests
 	$(LINK_TEST)
 $(B)/tests/bench/proxy_jumps: $(B)/tests/proxy/jump_run.o $(B)/tests/proxy/soak_oracle.o
 $(B)/tests/bench/proxy_hangs: $(B)/tests/proxy/hang_run.o
+$(B)/tests/bench/host_ticks: %: %.o $(HOST_PARTS) $(COMPILE) $(DRIVER_PARTS) $(CONVEX_PARTS) $(TEXT) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(sort $^) -lm $(THREADS) $(DL) $(CONVEX_LIBS) $(JANSSON_LIBS) -o $@
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 

@@ -142,13 +142,12 @@ void host_session_stop(struct host_session *session)
 
 static void count_puts(struct host_puts *puts, const struct scene *scene)
 {
-    dpt_force_info force = { .size = sizeof force };
-    if (scene->force.law != DPT_LAW_PROXY ||
-        dpt_tool_get_force_info(scene->stage.world, scene->stage.tool, &force) != DPT_OK)
+    const dpt_force_info *force = &scene->force_info;
+    if (scene->force.law != DPT_LAW_PROXY)
         return;
-    puts->squeezed += force.reason == DPT_FORCE_INSIDE && (force.flags & DPT_FORCE_FLAG_SQUEEZED);
-    puts->turned += (force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
-    puts->inside += force.reason == DPT_FORCE_INSIDE || force.reason == DPT_FORCE_UNDECIDED;
+    puts->squeezed += force->reason == DPT_FORCE_INSIDE && (force->flags & DPT_FORCE_FLAG_SQUEEZED);
+    puts->turned += (force->flags & DPT_FORCE_FLAG_REPLACED) != 0;
+    puts->inside += force->reason == DPT_FORCE_INSIDE || force->reason == DPT_FORCE_UNDECIDED;
 }
 
 static void count(struct host_session *session, const dpt_loop_sample *sample, const dpt_wrench *wrench)

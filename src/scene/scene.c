@@ -389,7 +389,7 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
 {
     dpt_pose pose;
     double axes[4];
-    dpt_force_info report = { .size = sizeof report };
+    dpt_force_info *report = &scene->force_info;
     const dpt_result result = find_pose(scene, sample->state, &pose, axes);
     const int was_clutched = scene->is_clutched;
     scene_bodies_begin_tick(&scene->bodies, scene->ticks++);
@@ -406,10 +406,11 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
     DPT_TRY(step(scene, sample->dt));
     scene->pose = pose;
     scene->has_pose = 1;
-    scene_get_force_info(scene, &report);
-    *wrench = report.wrench;
+    report->size = sizeof *report;
+    scene_get_force_info(scene, report);
+    *wrench = report->wrench;
     to_hand(scene, axes, wrench);
     const double share = scene->force_scale / scene->zoom;
-    scene_passivity_step(&scene->passivity, sample, share * report.energy, share * report.body_work, wrench);
+    scene_passivity_step(&scene->passivity, sample, share * report->energy, share * report->body_work, wrench);
     return DPT_OK;
 }

@@ -48,6 +48,7 @@ struct scene {
     int is_clutched, has_pose; /* the clutch is down; the tool was moved */
     uint64_t ticks;            /* calls of scene_feel */
     dpt_pose pose;             /* of the tool, moved last */
+    dpt_force_info force_info; /* of the last tick that had a force, in the scene's frame */
     struct scene_passivity passivity;
     dpt_device_info device;
     int has_camera;

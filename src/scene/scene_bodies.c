@@ -431,7 +431,7 @@ static dpt_result take_reports(struct scene_bodies *bodies, const uint32_t *inde
     return left;
 }
 
-dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)
+static dpt_result step_springs(struct scene_bodies *bodies, dpt_world *world, double dt)
 {
     dpt_body ids[DPT_ARM_BODIES_MAX] = { 0 };
     dpt_springs *springs[DPT_ARM_BODIES_MAX] = { NULL };
@@ -457,8 +457,17 @@ dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, doub
         if (reports[i].active)
             scene_bodies_note_moving(bodies, fmax(period[i], dt));
     }
-    bodies->steps += result == DPT_OK && count > 0;
+    bodies->steps += result == DPT_OK;
     return result;
+}
+
+/* Where nothing gives way a tick ends here, and nothing is prepared. */
+dpt_result scene_bodies_step(struct scene_bodies *bodies, dpt_world *world, double dt)
+{
+    for (uint32_t i = 0; i < bodies->count; i++)
+        if (bodies->body[i].springs)
+            return step_springs(bodies, world, dt);
+    return DPT_OK;
 }
 
 void scene_bodies_note_moving(struct scene_bodies *bodies, double period)
