@@ -61,9 +61,3 @@ int open_scene(struct scene *scene, const struct scene_def *def)
     dpt_host_error error = { .size = sizeof error };
     return complain_of(def->command, scene_open(scene, def, &error), &error);
 }
-
-int make_scene_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
-{
-    dpt_host_error error = { .size = sizeof error };
-    return complain_of(scene->command, scene_make_world(scene, device, budget, &error), &error);
-}

@@ -22,6 +22,5 @@ int read_tip_shapes(struct tip_shapes *tips, const char *command, const struct o
 int check_scene_output(const struct scene_def *def, const char *path);
 
 int open_scene(struct scene *scene, const struct scene_def *def);
-int make_scene_world(struct scene *scene, const dpt_device_info *device, uint32_t budget);
 
 #endif
