@@ -241,22 +241,72 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
                                                                                              : MOTION_NONE;
 }
 
+/* How a tick began, before the tool went with a body. */
+struct start {
+    struct proxy_pose at;
+    double gap, allowed;
+    double carried; /* m: so far it went */
+    int is_before;
+};
+
+/* m: the length of the way from one pose to another. */
+static double way_between(const struct proxy_tick *tick, const struct proxy_pose *from, const struct proxy_pose *to)
+{
+    const struct displacement way = dpti_proxy_displacement(tick->proxy, from, to);
+    return displacement_norm(&tick->proxy->coupling, &way);
+}
+
+static void go_back(struct proxy_tick *tick, const struct start *start, double *allowed)
+{
+    tick->at = start->at;
+    tick->gap = start->gap;
+    tick->is_before = start->is_before;
+    tick->is_lost = 1;
+    *allowed = start->allowed;
+}
+
+/*
+ * Where bodies have moved, the tool goes with the nearest one: in that one's frame it stays where it is, and follows the
+ * device from there. Returns 0, and nothing is changed, where another body may be in the way, or no way back is allowed.
+ */
+static int carry(struct proxy_tick *tick, const struct body *body, double *allowed, struct start *start)
+{
+    *start = (struct start){ tick->at, tick->gap, *allowed, 0.0, tick->is_before };
+    if (!tick->is_before)
+        return 1;
+    if (tick->has_end || !dpti_proxy_carry_alone(tick, body))
+        return 0;
+    start->carried = way_between(tick, &start->at, &tick->at);
+    *allowed -= start->carried;
+    if (start->carried <= *allowed)
+        return 1;
+    go_back(tick, start, allowed);
+    return 0;
+}
+
 int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
 {
     struct proxy *proxy = tick->proxy;
     struct patch_view view;
+    struct start start;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    if (tick->gap - length(way.shift) - proxy->extent * length(way.turn) > tick->clearance ||
-        !dpti_patch_begin(tick, &view))
+    const double free = tick->gap - length(way.shift) - proxy->extent * length(way.turn);
+    if ((!tick->is_before && free > tick->clearance) || !dpti_patch_begin(tick, &view) ||
+        !carry(tick, view.body, allowed, &start))
         return 0;
     const double ahead = proxy->shape == PROXY_BALL ? LOOK_AHEAD : LOOK_AHEAD_LINE;
-    double reach = ahead * proxy->last_motion + view.near;
+    double reach = ahead * max_of(proxy->last_motion, start.carried) + view.near;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {
         const int result = follow_once(tick, allowed, &reach, &view);
+        if (result == MOTION_NONE && start.is_before && !tick->is_moved)
+            go_back(tick, &start, allowed);
         if (result == MOTION_NONE)
             return 0;
+        /* The first motion may lead back. */
+        if (i == 0 && start.carried > 0.0)
+            *allowed = max_of(0.0, start.allowed - way_between(tick, &start.at, &tick->at));
         tick->is_settled = result == MOTION_DONE;
         if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance)
             break;

@@ -75,10 +75,10 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     struct segment *segment = &world->segments[tool->first_segment];
     const struct body *body = segment->answer.body;
     struct proxy_patch *patch = &world->patches[tool->first_segment];
-    if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape == PROXY_BENT || tick->is_before ||
+    if (tool->segment_count != 1 || tool->tip_count || tick->proxy->shape == PROXY_BENT ||
         tick->proxy->state != PROXY_OUTSIDE || !(tick->gap >= 0.5 * tick->min_gap) || patch->is_off ||
         world->def.method != DPT_METHOD_EXACT || world->body_slot_end > BODIES_MAX || !body || !body_is_there(body) ||
-        body->surface.motion || body_has_moved(world, body) || was_left_here(tick, segment, body, patch))
+        body->surface.motion || was_left_here(tick, segment, body, patch))
         return 0;
     view->patch = patch;
     view->segment = segment;

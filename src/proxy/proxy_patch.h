@@ -68,7 +68,7 @@ uint64_t dpti_patch_bytes(const dpt_world_def *def);
 /* Begin anew, as if it had never been used. */
 void dpti_patch_forget(struct proxy_patch *patch);
 
-/* Whether the tick may work with the patch: of one segment, held by one body at rest. Begins the view. */
+/* Whether the tick may work with the patch: of one segment, held by one rigid body. Begins the view. */
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
 
 /*
