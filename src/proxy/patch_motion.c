@@ -43,32 +43,35 @@ static double farthest(const struct proxy_tick *tick)
 }
 
 /* Whether the proxy remembers a triangle: it held it or was hit. */
-static int is_remembered(const struct proxy *proxy, const struct patch_view *view, uint32_t triangle)
+static int is_remembered(const struct proxy *proxy, const struct patch_side *side, uint32_t triangle)
 {
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == view->body->id)
+        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == side->body->id &&
+            proxy->memory[i].segment == side->number)
             return 1;
     return 0;
 }
 
 /*
- * Hold what a line begins with: those near that the proxy remembers, and the nearest where it is nearer than these. A
- * line that lies on a surface is held by its ends; what touches it between these would hold it as well, but at one
- * place.
+ * Hold what a line begins with at a side: those near that the proxy remembers, and the nearest where it is nearer than
+ * these. A line that lies on a surface is held by its ends; what touches it between these would hold it as well, but at
+ * one place.
  */
-static int hold_along(struct proxy_tick *tick, struct patch_view *view, double reach, vec3 hint)
+static int hold_along(struct proxy_tick *tick, struct patch_view *view, uint32_t number, double reach, vec3 hint)
 {
+    const struct patch_side *side = &view->sides[number];
     double least = HUGE_VAL;
     for (uint32_t i = 0; i < view->count; i++) {
         const struct patch_triangle *triangle = &view->list[i];
-        if (!triangle->is_found || triangle->gap > view->near || !is_remembered(tick->proxy, view, triangle->triangle))
+        if (triangle->side != number || !triangle->is_found || triangle->gap > view->near ||
+            !is_remembered(tick->proxy, side, triangle->triangle))
             continue;
         if (!dpti_patch_hold(tick, view, i, reach, hint))
             return 0;
         least = min_of(least, triangle->gap);
     }
-    return view->list[view->nearest].gap > least - AS_NEAR * tick->clearance ||
-           dpti_patch_hold(tick, view, view->nearest, reach, hint);
+    return view->list[side->nearest].gap > least - AS_NEAR * tick->clearance ||
+           dpti_patch_hold(tick, view, side->nearest, reach, hint);
 }
 
 /* Look around, and begin with what is nearest: others join where those that hold the tool do not hold it off them. */
@@ -77,16 +80,19 @@ static int look(struct proxy_tick *tick, struct patch_view *view, double reach, 
     tick->space_count = tick->triangle_count = 0;
     if (!dpti_patch_look(tick, view, reach))
         return 0;
-    if (view->nearest == PATCH_TRIANGLES_MAX)
-        return 1;
-    return view->is_ball ? dpti_patch_hold(tick, view, view->nearest, reach, hint)
-                         : hold_along(tick, view, reach, hint);
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        const uint32_t nearest = view->sides[i].nearest;
+        if (nearest != PATCH_TRIANGLES_MAX && !(view->is_ball ? dpti_patch_hold(tick, view, nearest, reach, hint)
+                                                              : hold_along(tick, view, i, reach, hint)))
+            return 0;
+    }
+    return 1;
 }
 
-/* The nearest pair at tick->at, as searches leave it: what the view tells; where nothing is near, a search does. */
-static void settle(struct proxy_tick *tick, const struct patch_view *view)
+/* The nearest pairs at tick->at, as searches leave them: what the view tells; where nothing is near, a search does. */
+static void settle(struct proxy_tick *tick, const struct patch_view *view, int is_known)
 {
-    if (tick->world->body_slot_end > UNLISTED_BODIES_MAX || !dpti_patch_answer(tick, view))
+    if (!is_known || tick->world->body_slot_end > UNLISTED_BODIES_MAX || !dpti_patch_answer(tick, view))
         dpti_proxy_find_nearest(tick);
 }
 
@@ -173,7 +179,7 @@ static int make(struct proxy_tick *tick, const struct patch_view *view, struct p
         tick->at = motion->to;
         tick->proxy->trust = HUGE_VAL;
     } else {
-        settle(tick, view);
+        settle(tick, view, 1);
         motion->share *= dpti_proxy_move(tick, &motion->to, &met);
     }
     if (!(motion->share > 0.0))
@@ -314,8 +320,6 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     if (!tick->is_moved)
         dpti_patch_leave(&view);
     /* The last constraints are kept. */
-    if (!tick->is_settled && !dpti_patch_look(tick, &view, view.near))
-        view.nearest = PATCH_TRIANGLES_MAX;
-    settle(tick, &view);
+    settle(tick, &view, tick->is_settled || dpti_patch_look(tick, &view, view.near));
     return 1;
 }
