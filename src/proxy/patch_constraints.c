@@ -346,8 +346,8 @@ static enum patch_proof prove_held(struct proxy_tick *tick, struct patch_view *v
 {
     trial->met = 0.0;
     for (uint32_t i = 0; i < view->count; i++)
-        if (view->list[i].side == side && view->list[i].is_held &&
-            !is_known_clear(tick, view, trial, &view->list[i]) && !is_proven_clear(tick, view, trial, &view->list[i]))
+        if (view->list[i].side == side && view->list[i].is_held && !is_known_clear(tick, view, trial, &view->list[i]) &&
+            !is_proven_clear(tick, view, trial, &view->list[i]))
             return PATCH_UNPROVEN;
     return PATCH_FREE;
 }

@@ -2,7 +2,7 @@
 #include "proxy/proxy.h"
 
 #include "base/quaternion.h"
-#include "proxy/proxy_patch.h"
+#include "proxy/patch_sides.h"
 #include "track/tool_parts.h"
 
 enum { BYTES_PROXY = 1584 };

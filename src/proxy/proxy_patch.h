@@ -23,15 +23,15 @@ struct patch_place {
 
 /* The leaves, with their boxes as children of a node of their own. Kept from tick to tick. */
 struct proxy_patch {
-    vec3 a, b;             /* the axis about which it lies, in the body's frame */
-    double reach;          /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
-    double spare;          /* what was found beside what was asked for, as a multiple of the reach */
-    uint32_t body_id;      /* the body, which does not deform */
-    uint32_t count;        /* of leaves */
+    vec3 a, b;        /* the axis about which it lies, in the body's frame */
+    double reach;     /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
+    double spare;     /* what was found beside what was asked for, as a multiple of the reach */
+    uint32_t body_id; /* the body, which does not deform */
+    uint32_t count;   /* of leaves */
     /* Of a tool's first one: where a tick found nothing to do, or no list, and left the tool to searches. */
-    struct patch_place still; /* of the tool's first segment */
-    uint32_t crowded; /* no list could be made: it is tried again after so many motions */
-    uint32_t is_off;  /* 1: none of the tool's is used, as a test wants */
+    struct patch_place still;    /* of the tool's first segment */
+    uint32_t crowded;            /* no list could be made: it is tried again after so many motions */
+    uint32_t is_off;             /* 1: none of the tool's is used, as a test wants */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
     float box[PATCH_BLOCKS][MESH_BOX_WORDS];
 };
@@ -71,7 +71,7 @@ struct patch_side {
 /* A tick's view of the patches. */
 struct patch_view {
     struct proxy_patch *first; /* of the tool */
-    const struct body *body; /* the nearest when the tick began */
+    const struct body *body;   /* the nearest when the tick began */
     int is_ball;
     int is_made;    /* there is a list */
     int is_listed;  /* motions stay within the list: beside a ball, and of a line with friction */
@@ -94,18 +94,6 @@ static inline const struct patch_side *patch_side_of(const struct patch_view *vi
 
 /* Units of work that a look or a proof may take, so that it is not begun with less. */
 enum { PATCH_WORK = 512 };
-
-/* Its share of dpt_world_bytes. */
-uint64_t dpti_patch_bytes(const dpt_world_def *def);
-
-/* Those of a segment; of a tool its first segment's are the first. */
-static inline struct proxy_patch *patches_of(const struct dpt_world *world, uint32_t segment)
-{
-    return &world->patches[PATCH_BODIES * segment];
-}
-
-/* Those of a tool begin anew, as if they had never been used. */
-void dpti_patches_forget(const struct dpt_world *world, const struct tool *tool);
 
 /* Whether the tick may work with patches: of a tool without tips, held by a rigid body. Begins the view. */
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
