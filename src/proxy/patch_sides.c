@@ -32,6 +32,9 @@ double dpti_patch_place_side(const struct patch_view *view, struct patch_side *s
     const struct patch_axis *axis = &view->axes[side->number];
     const vec3 a = side->a, b = add(side->a, side->u);
     side->a = frame_to_local(body, axis->a);
+    side->u = (vec3){ 0.0, 0.0, 0.0 };
+    if (view->is_ball)
+        return length(sub(side->a, a));
     side->u = sub(frame_to_local(body, axis->b), side->a);
     return max_of(length(sub(side->a, a)), length(sub(add(side->a, side->u), b)));
 }

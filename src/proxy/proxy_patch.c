@@ -66,14 +66,32 @@ static const struct body *nearest_body(const struct dpt_world *world, const stru
     return nearest;
 }
 
-/* Put the axes where the tool is. */
-static void place_axes(struct patch_view *view, const struct proxy_pose *at)
+/* The ends of a segment where the tool is at a pose. */
+static void ends_at(const struct patch_view *view, const struct segment *segment, const struct proxy_pose *at, vec3 *a,
+                    vec3 *b)
 {
+    *a = frame_to_world(&at->frame, segment->a);
+    *b = view->is_ball ? *a : frame_to_world(&at->frame, segment->b);
+}
+
+/* m: how far the farther end went. */
+static double way_of_ends(const struct patch_view *view, vec3 a, vec3 b, vec3 to_a, vec3 to_b)
+{
+    const double way = length(sub(to_a, a));
+    return view->is_ball ? way : max_of(way, length(sub(to_b, b)));
+}
+
+/* Put the axes where the tool is. Returns how far they moved, m. */
+static double place_axes(struct patch_view *view, const struct proxy_pose *at)
+{
+    double moved = 0.0;
     for (uint32_t i = 0; i < view->axis_count; i++) {
         struct patch_axis *axis = &view->axes[i];
-        axis->a = frame_to_world(&at->frame, axis->segment->a);
-        axis->b = frame_to_world(&at->frame, axis->segment->b);
+        const vec3 a = axis->a, b = axis->b;
+        ends_at(view, axis->segment, at, &axis->a, &axis->b);
+        moved = max_of(moved, way_of_ends(view, a, b, axis->a, axis->b));
     }
+    return moved;
 }
 
 double dpti_patch_moved(const struct patch_view *view, const struct proxy_pose *to)
@@ -81,8 +99,9 @@ double dpti_patch_moved(const struct patch_view *view, const struct proxy_pose *
     double moved = 0.0;
     for (uint32_t i = 0; i < view->axis_count; i++) {
         const struct patch_axis *axis = &view->axes[i];
-        const vec3 a = frame_to_world(&to->frame, axis->segment->a), b = frame_to_world(&to->frame, axis->segment->b);
-        moved = max_of(moved, max_of(length(sub(a, axis->a)), length(sub(b, axis->b))));
+        vec3 a, b;
+        ends_at(view, axis->segment, to, &a, &b);
+        moved = max_of(moved, way_of_ends(view, axis->a, axis->b, a, b));
     }
     return moved;
 }
@@ -99,13 +118,15 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     view->body = nearest_body(world, tool);
     if (!view->body || !body_is_there(view->body) || view->body->surface.motion)
         return 0;
+    view->is_ball = tick->proxy->shape == PROXY_BALL;
     view->axis_count = tool->segment_count;
-    for (uint32_t i = 0; i < view->axis_count; i++)
-        view->axes[i].segment = &world->segments[tool->first_segment + i];
-    place_axes(view, &tick->at);
+    for (uint32_t i = 0; i < view->axis_count; i++) {
+        struct patch_axis *axis = &view->axes[i];
+        axis->segment = &world->segments[tool->first_segment + i];
+        ends_at(view, axis->segment, &tick->at, &axis->a, &axis->b);
+    }
     if (was_left_here(view))
         return 0;
-    view->is_ball = tick->proxy->shape == PROXY_BALL;
     view->near = (view->is_ball ? NEAR : NEAR_LINE) * tick->clearance;
     view->reach = view->covered = view->wished = 0.0;
     view->room = HUGE_VAL;
@@ -361,8 +382,7 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
     struct dpt_world *world = tick->world;
     if (work_left(&world->work) < PATCH_WORK)
         return 0;
-    const double moved = dpti_patch_moved(view, &tick->at);
-    place_axes(view, &tick->at);
+    const double moved = place_axes(view, &tick->at);
     if (!view->is_made || view->reach - moved < (view->is_listed ? reach : view->near) ||
         view->covered - moved < min_of(reach, view->room)) {
         if (!look_anew(tick, view, reach)) {
