@@ -153,8 +153,8 @@ static void trial_set(const struct proxy_tick *tick, const struct patch_view *vi
 /* Whether a ball stays in front of a triangle's own plane; looked at before the triangle's corners are. */
 static int stays_in_front(const struct trial *trial, const struct patch_triangle *triangle)
 {
-    const double end = dot(triangle->normal, trial->way.a[1]) - triangle->height;
-    return min_of(triangle->gap + trial->side->segment->radius, end) >= trial->kept;
+    const vec3 normal = triangle->normal;
+    return min_of(dot(normal, trial->way.a[0]), dot(normal, trial->way.a[1])) - triangle->height >= trial->kept;
 }
 
 /* Whether planes that hold, or the triangle's own, prove that it is in nobody's way. */

@@ -116,6 +116,15 @@ struct patch_motion {
     int is_to_goal;
 };
 
+/* Whether nothing holds the tool. Friction that did not settle may leave a solution that nothing holds, but short. */
+static int is_free(const struct proxy_tick *tick, const double *wanted)
+{
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        if (tick->solved.y[k] != wanted[k])
+            return 0;
+    return tick->solved.active_count == 0;
+}
+
 /* The pose to which the solution leads, by motions not longer than `longest`, m. aims_at_goal: it is of the whole way. */
 static void choose(struct proxy_tick *tick, const struct patch_view *view, const double *wanted, double longest,
                    int aims_at_goal, struct patch_motion *motion)
@@ -128,7 +137,7 @@ static void choose(struct proxy_tick *tick, const struct patch_view *view, const
     } else {
         motion->to = dpti_solved_correct(tick, wanted, motion->straight, longest, &motion->share);
     }
-    motion->is_to_goal = aims_at_goal && tick->solved.active_count == 0 && motion->share == 1.0;
+    motion->is_to_goal = aims_at_goal && motion->share == 1.0 && is_free(tick, wanted);
     if (motion->is_to_goal)
         motion->to = tick->goal;
 }
