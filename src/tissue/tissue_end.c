@@ -192,10 +192,10 @@ void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world)
 
 /* ---- the way there ---- */
 
-/* The share of its radius by which surfaces may dent the tool on its way: src/proxy/proxy_step.c. */
+/* The share of its radius by which surfaces may dent a tool on its way to its end: src/proxy/proxy_step.c. */
 #define DENTED 0.1
 
-/* The way of a tool from its proxy to where its step ended, past a body whose vertices move meanwhile. */
+/* A motion of a tool past a body whose vertices move meanwhile. */
 struct way {
     struct tissue_solve *solve;
     struct dpt_world *world;
@@ -203,6 +203,7 @@ struct way {
     struct placement from, to;
 };
 
+/* 1 where a budget ends the search, too. */
 static int segment_is_free(const struct way *way, const struct segment *segment)
 {
     struct placement from = way->from, to = way->to;
@@ -235,14 +236,9 @@ static int tip_is_free(const struct way *way, const struct tip *tip)
     return dpti_hull_sweep(&sweep, &way->from, &way->to) != SWEEP_HIT;
 }
 
-static int part_is_free(const struct way *way, struct part part)
-{
-    return part.tip ? tip_is_free(way, part.tip) : segment_is_free(way, part.segment);
-}
-
-/* Past a body that has moved farther than a part of the tool is thick. */
-static int way_is_free(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
-                       const struct body *body)
+/* Past a body that has moved farther than a part of the tool is thick, and than the tool goes itself. */
+static int tool_is_free(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
+                        const struct body *body)
 {
     const struct proxy *proxy = proxy_of(world, tool);
     const struct way way = { .solve = solve,
@@ -250,9 +246,14 @@ static int way_is_free(struct tissue_solve *solve, struct dpt_world *world, cons
                              .body = body,
                              .from = { .tool = proxy->pose, .body = body->pose },
                              .to = { .tool = proxy->end, .body = body->pose } };
+    const struct proxy_pose from = dpti_proxy_pose_of(proxy, &proxy->pose);
+    const struct proxy_pose to = dpti_proxy_pose_of(proxy, &proxy->end);
+    const struct displacement moved = dpti_proxy_displacement(proxy, &from, &to);
+    const double size = displacement_norm(&proxy->coupling, &moved);
     for (uint32_t i = 0; i < tool_part_count(tool); i++) {
         const struct part part = tool_part(world, tool, i);
-        if (body->motion_bound > part_radius(part) && !part_is_free(&way, part))
+        if (body->motion_bound > max_of(part_radius(part), size) &&
+            !(part.tip ? tip_is_free(&way, part.tip) : segment_is_free(&way, part.segment)))
             return 0;
     }
     return 1;
@@ -264,8 +265,8 @@ int dpti_tissue_ways_are_free(struct tissue_solve *solve, struct dpt_world *worl
     for (uint32_t t = 0; t < solve->tool_count; t++)
         for (uint32_t b = 0; b < solve->body_count; b++) {
             const struct body *body = solve->bodies[b].body;
-            if (solve->tools[t].is_pushed && body->moved_tick == coming && surface_has_moved(&body->surface, coming) &&
-                !way_is_free(solve, world, &world->tools[solve->tools[t].slot], body))
+            if (solve->tools[t].is_pushed && surface_has_moved(&body->surface, coming) &&
+                !tool_is_free(solve, world, &world->tools[solve->tools[t].slot], body))
                 return 0;
         }
     return 1;

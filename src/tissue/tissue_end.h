@@ -16,8 +16,8 @@ void dpti_tissue_unend(struct tissue_solve *solve, struct dpt_world *world);
 void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world);
 
 /*
- * After that: whether each tool has a free way to its end, straight and in the time in which the surfaces move. Only where
- * a surface has moved farther than a tool is thick is the way looked at; what that takes is counted.
+ * After that: whether each tool has a free way to its end, straight and in the time in which the surfaces move. Only where a
+ * surface has moved farther than the tool is thick, and than it goes, is that looked at; what it takes is counted.
  */
 int dpti_tissue_ways_are_free(struct tissue_solve *solve, struct dpt_world *world);
 

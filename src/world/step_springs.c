@@ -210,15 +210,16 @@ static void follow_steps(struct tissue_solve *solve, struct dpt_world *world, co
 /* How often a step is halved that takes a surface through a tool: tissue that moves so fast is slowed. */
 enum { CUTS_MAX = 5 };
 
-/* Everything is where it was again, and half as much of the tick is to be stepped. */
-static void cut_step(struct tissue_solve *solve, struct dpt_world *world)
+/* Everything is where it was again, and less of the tick is to be stepped. */
+static void cut_step(struct tissue_solve *solve, struct dpt_world *world, const uint32_t *had_moved)
 {
-    uint32_t moved[TISSUE_BODIES_MAX];
     dpti_tissue_unend(solve, world);
     undo_steps(solve);
-    for (uint32_t b = 0; b < solve->body_count; b++)
-        moved[b] = dpti_spring_vertices_gather(solve->bodies[b].step.springs);
-    follow_steps(solve, world, moved);
+    for (uint32_t b = 0; b < solve->body_count; b++) {
+        struct dpt_springs *springs = solve->bodies[b].step.springs;
+        dpti_deform_return(world, body_of(world, &solve->bodies[b]), &springs->vertices,
+                           dpti_spring_vertices_gather(springs), !had_moved[b]);
+    }
     solve->step *= 0.5;
     dpti_tissue_gather(solve, world, reach_of(solve, solve->step));
 }
@@ -229,7 +230,9 @@ static void cut_step(struct tissue_solve *solve, struct dpt_world *world)
  */
 static int step_together(struct tissue_solve *solve, struct dpt_world *world, double dt, dpt_springs_info *infos)
 {
-    uint32_t moved[TISSUE_BODIES_MAX] = { 0 };
+    uint32_t moved[TISSUE_BODIES_MAX] = { 0 }, had_moved[TISSUE_BODIES_MAX];
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        had_moved[b] = (uint32_t)surface_has_moved(&solve->bodies[b].body->surface, world_coming_tick(world));
     for (int cut = 0;; cut++) {
         begin_bodies(solve, world, solve->step);
         const int is_done = make_substeps(solve, world, reach_of(solve, solve->step));
@@ -242,7 +245,7 @@ static int step_together(struct tissue_solve *solve, struct dpt_world *world, do
         dpti_tissue_settle(solve, world);
         if (cut == CUTS_MAX || work_is_spent(&solve->work) || dpti_tissue_ways_are_free(solve, world))
             break;
-        cut_step(solve, world);
+        cut_step(solve, world, had_moved);
     }
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct loaded_step *step = &solve->bodies[b].step;

@@ -45,7 +45,7 @@ struct trial {
     dpt_segment segment;
     float *before; /* where vertices were */
     double force, moved;
-    int looked_at, cuts;
+    int number, looked_at;
 };
 
 static int open_trial(struct trial *trial)
@@ -122,7 +122,7 @@ static void tick(struct trial *trial, int number, double motion)
     /* Where the surface went farther in the last tick than the needle is thick. */
     if (trial->moved > trial->needle->radius && trial->looked_at < LOOKED_AT && number % 4 == 0) {
         const double gap = gap_of(trial);
-        CHECK(gap > 0.0, "tick %d: a gap of %g m", number, gap);
+        CHECK(gap > 0.0, "case %d, tick %d: a gap of %g m", trial->number, number, gap);
         trial->looked_at++;
     }
     scene_bodies_begin_tick(&trial->scene.bodies, (uint64_t)number);
@@ -130,10 +130,10 @@ static void tick(struct trial *trial, int number, double motion)
     dpt_tool_get_force_info(rig->world, rig->tool, &info);
     const double force = length3(info.wrench.force), fall = trial->force - force;
     CHECK(info.reason != DPT_FORCE_INSIDE && !(info.flags & (DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_FADING)),
-          "tick %d: reason %u, flags %u, %g N", number, info.reason, info.flags, force);
+          "case %d, tick %d: reason %u, flags %u, %g N", trial->number, number, info.reason, info.flags, force);
     CHECK(!(force < LEAST && fall > trial->needle->stiffness * (3.0 * motion + FASTEST)) ||
               (info.flags & DPT_FORCE_FLAG_FOLD),
-          "tick %d: %g N are gone", number, fall);
+          "case %d, tick %d: %g N are gone", trial->number, number, fall);
     trial->force = force;
     trial->moved = surface_motion(trial);
 }
@@ -163,7 +163,7 @@ static void play(struct trial *trial)
 static void needles_are_not_engulfed(void)
 {
     for (int i = 0; i < (int)part_of(CASES); i++) {
-        struct trial trial = { .needle = &needles[i] };
+        struct trial trial = { .needle = &needles[i], .number = i };
         if (open_trial(&trial))
             play(&trial);
         else

@@ -155,6 +155,7 @@ static double feel(struct hum_trial *trial, double down, double across, int is_f
     memcpy(tick->force, info.wrench.force, sizeof tick->force);
     tick->motion = length(sub(vec3_of(pose.position), vec3_of(before.position)));
     tick->flags = info.flags;
+    tick->sticking = info.sticking;
     tick->slipping = info.slipping;
     trial->count += !trial->has_failed;
     return length(vec3_of(tick->force));

@@ -26,10 +26,10 @@
 enum hum_hand { HUM_STILL, HUM_PRESS, HUM_WIPE };
 
 struct hum_tick {
-    double force[3]; /* N */
-    double motion;   /* m: of the device since the tick before */
-    uint32_t flags;  /* DPT_FORCE_FLAG_... */
-    uint32_t slipping;
+    double force[3];             /* N */
+    double motion;               /* m: of the device since the tick before */
+    uint32_t flags;              /* DPT_FORCE_FLAG_... */
+    uint32_t sticking, slipping; /* touches with friction */
 };
 
 struct hum_trial {
