@@ -20,7 +20,7 @@ enum { CASES = 12, TICKS_MAX = 1600, LOOKED_AT = 24 };
 #define FASTEST 1e-3 /* m: of a tick's motion, that a fold allows beyond the device's */
 #define LEAST   0.05 /* N: a needle that has let go is not judged any more */
 
-/* Without cuts of steps the first six are put at their devices. */
+/* Without cuts of steps those numbered 0, 3 and 4 are put at their devices. */
 static const struct needle {
     uint32_t integrator;
     double lean, stiffness, radius, force, speed, along[2]; /* degrees, N/m, m, N, m/s, x and z */
