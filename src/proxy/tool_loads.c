@@ -153,7 +153,8 @@ void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, const stru
         return;
     }
     const struct load_place place = { .segment = push->part, .source = body->surface.sources[push->triangle] };
-    const vec3 at = on_surface(world, body, push->triangle, push->at), normal = frame_turn_back(&body->frame, push->normal);
+    const vec3 at = on_surface(world, body, push->triangle, push->at),
+               normal = frame_turn_back(&body->frame, push->normal);
     const struct load_point point = { .triangle = push->triangle,
                                       .is_narrow = push->is_narrow,
                                       .at = at,
