@@ -6,10 +6,10 @@
  */
 #include <math.h>
 
-#include "host/scene_list.h"
 #include "lib/pose.h"
 #include "lib/soft_scene.h"
 #include "oracle/brute.h"
+#include "scene/scene_list.h"
 
 enum { CASES = 12, TICKS_MAX = 1600, LOOKED_AT = 24 };
 
