@@ -337,8 +337,8 @@ $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared
 
 stability: all ## run the laboratory of force, and make docs/stability.md and its charts of it
 	@mkdir -p $(B)/bench
-	$(B)/dynpoint stability --json >$(B)/bench/stability.json || [ $$? -eq 1 ]
-	$(B)/dynpoint stability hum --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
+	$(B)/dynpoint stability --effort 1 --json >$(B)/bench/stability.json
+	$(B)/dynpoint stability hum --effort 1 --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
 charts: measured ## measure as bench does, draw docs/charts and keep their data

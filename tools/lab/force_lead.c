@@ -76,6 +76,11 @@ static void note_result(const struct force_lead *lead, dpt_result result)
         *lead->def->failure = result;
 }
 
+int force_lead_lags(const struct force_lead *lead, const dpt_force_info *force)
+{
+    return force->lag > 0.01 * vec3_length(force->wrench.force) / lead->def->stiffness;
+}
+
 void force_lead_step(struct force_lead *lead)
 {
     lead->last = lead->force;
@@ -89,6 +94,8 @@ void force_lead_step(struct force_lead *lead)
         note_time(lead, 1e-3 * (double)ns);
     if (lead->def->low_pass > 0.0)
         pass_low(lead);
+    lead->is_folding =
+        (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0 || (lead->is_folding && force_lead_lags(lead, &lead->last));
 }
 
 void force_lead_start(struct force_lead *lead)
@@ -97,6 +104,7 @@ void force_lead_start(struct force_lead *lead)
     note_result(lead, dpt_world_step(lead->stage.world, LEAD_DT, NULL));
     lead->before = lead->device;
     memset(&lead->force.wrench, 0, sizeof lead->force.wrench);
+    lead->is_folding = 0;
     force_lead_step(lead);
     lead->last = lead->force;
 }
@@ -143,15 +151,28 @@ double force_lead_moved(const struct force_lead *lead)
     return sqrt(vec3_dot(shift, shift) + lead->rho * lead->rho * vec3_dot(turn, turn));
 }
 
+/* |W|, N */
+static double size_of(const struct force_lead *lead, const double *force, const double *torque)
+{
+    const double turning = lead->rho > 0.0 ? vec3_length(torque) / lead->rho : 0.0;
+    return sqrt(vec3_dot(force, force) + turning * turning);
+}
+
 double force_lead_change(const struct force_lead *lead)
 {
     const dpt_wrench *now = &lead->force.wrench, *was = &lead->last.wrench;
-    double square = 0.0;
+    double force[3], torque[3];
     for (int k = 0; k < 3; k++) {
-        const double f = now->force[k] - was->force[k], t = now->torque[k] - was->torque[k];
-        square += f * f + (lead->rho > 0.0 ? t * t / (lead->rho * lead->rho) : 0.0);
+        force[k] = now->force[k] - was->force[k];
+        torque[k] = now->torque[k] - was->torque[k];
     }
-    return sqrt(square);
+    return size_of(lead, force, torque);
+}
+
+double force_lead_growth(const struct force_lead *lead)
+{
+    const dpt_wrench *now = &lead->force.wrench, *was = &lead->last.wrench;
+    return size_of(lead, now->force, now->torque) - size_of(lead, was->force, was->torque);
 }
 
 double force_lead_turned(const struct force_lead *lead, double largest)

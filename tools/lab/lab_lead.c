@@ -182,17 +182,16 @@ void lab_lead_step(struct lab_lead *lead)
     struct lab_tally *tally = &lead->tally;
     const dpt_force_info *now = &lead->lead.force;
     take_step(lead);
-    const int is_fold = (now->flags & DPT_FORCE_FLAG_FOLD) != 0;
     const double force = vec3_length(now->wrench.force), torque = vec3_length(now->wrench.torque);
     tally->ticks++;
     tally->acting += now->reason == DPT_FORCE_ACTS;
     tally->unknown += now->reason == DPT_FORCE_UNDECIDED;
-    tally->folds += (uint64_t)is_fold;
+    tally->folds += (now->flags & DPT_FORCE_FLAG_FOLD) != 0;
     tally->replaced += (now->flags & DPT_FORCE_FLAG_REPLACED) != 0;
     tally->not_finite += !isfinite(force) || !isfinite(torque);
     tally->largest = fmax(tally->largest, force);
     tally->largest_torque = fmax(tally->largest_torque, torque);
-    const double angle = is_fold ? 0.0 : force_lead_turned(&lead->lead, tally->largest);
+    const double angle = lead->lead.is_folding ? 0.0 : force_lead_turned(&lead->lead, tally->largest);
     tally->turning += angle;
     tally->turns += angle > 30.0 * LAB_DEGREE;
     tally->reversals += angle > 90.0 * LAB_DEGREE;
@@ -250,7 +249,7 @@ void lab_tally_note(struct lab *lab, int method, const struct lab_tally *tally)
     const char *name = lab_method_name(method);
     lab_at_most(lab, name, "ticks that turn the force by over 30 degrees, folds apart",
                 lab_per_cent(tally->turns, tally->acting), "%", 0.0);
-    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", tally->share, "", LAB_SHARE_MAX);
+    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", tally->share, "", LEAD_SHARE_MAX);
     lab_note(lab, name, "largest change of force in a tick", tally->jump, "N");
     if (!lab_has_proxy(method))
         return;
