@@ -81,7 +81,7 @@ devices are simulated ([drivers.md](drivers.md#sim)).
 
 | method | what it is |
 |---|---|
-| proxy | the default: a spring to a pose of the tool that has gone through nothing; more than 1 rad from its device it starts again there, and tells it ([force.md](algorithms/force.md)) |
+| proxy | the default: a spring to a pose of the tool that has gone through nothing ([force.md](algorithms/force.md)) |
 | bed | the gradient of an energy along the tool and at its ends |
 | ball | a proxy of one point at the tool's tip, as point-based toolkits have it; it is our own, not their code |
 | point | the paper's: a push at the deepest point of the tool |

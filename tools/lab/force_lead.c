@@ -81,6 +81,12 @@ int force_lead_lags(const struct force_lead *lead, const dpt_force_info *force)
     return force->lag > 0.01 * vec3_length(force->wrench.force) / lead->def->stiffness;
 }
 
+void force_lead_note_fold(struct force_lead *lead)
+{
+    const int goes_on = lead->is_folding && force_lead_lags(lead, &lead->last);
+    lead->is_folding = goes_on || (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
+}
+
 void force_lead_step(struct force_lead *lead)
 {
     lead->last = lead->force;
@@ -94,8 +100,7 @@ void force_lead_step(struct force_lead *lead)
         note_time(lead, 1e-3 * (double)ns);
     if (lead->def->low_pass > 0.0)
         pass_low(lead);
-    lead->is_folding =
-        (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0 || (lead->is_folding && force_lead_lags(lead, &lead->last));
+    force_lead_note_fold(lead);
 }
 
 void force_lead_start(struct force_lead *lead)

@@ -45,6 +45,9 @@ struct place {
 int force_lead_open(struct force_lead *lead, const struct force_trial_def *def);
 void force_lead_close(struct force_lead *lead);
 
+/* `force` is that of a new tick, and `last` that of the one before: is it one of a fold? */
+void force_lead_note_fold(struct force_lead *lead);
+
 /* A tick to `device`. */
 void force_lead_step(struct force_lead *lead);
 

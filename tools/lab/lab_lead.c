@@ -114,6 +114,7 @@ static void take_step(struct lab_lead *lab)
     dpt_tool_set_pose(lead->stage.world, lead->stage.tool, &lead->device);
     dpt_world_step(lead->stage.world, LEAD_DT, &step);
     dpt_tool_get_force_info(lead->stage.world, lead->stage.tool, &lead->force);
+    force_lead_note_fold(lead);
     lab->work = step.work;
 }
 
@@ -123,6 +124,7 @@ void lab_lead_start(struct lab_lead *lead)
     lead->lead.before = lead->lead.device;
     take_step(lead);
     take_step(lead);
+    lead->lead.is_folding = 0;
     lead->tally = (struct lab_tally){ .gap_min = HUGE_VAL };
 }
 
