@@ -47,6 +47,13 @@ typedef struct dpt_diag {
  */
 typedef int dpt_progress_fn(void *user, const char *step, double done);
 
+/*
+ * Receives a note: what you should know of a source that compiles, in words for a person. The line, byte and text are as
+ * of an error, the code is DPT_OK. It is called from the calling thread, and is valid during the call only. A source that
+ * is refused may have got notes before.
+ */
+typedef void dpt_compile_note_fn(void *user, const dpt_diag *note);
+
 enum {
     DPT_NET_SHEET = 1, /* nodes are the vertices, springs lie in the surface */
     DPT_NET_VOLUME = 2 /* a cubic lattice fills the closed parts; the vertices are embedded in it */
@@ -106,7 +113,7 @@ typedef struct dpt_compile_def {
     uint32_t format;           /* DPT_FORMAT_... */
     double scale;              /* metres per unit of the source, positive; 0 means 1 */
     dpt_progress_fn *progress; /* NULL: none */
-    void *user;                /* handed to `progress` */
+    void *user;                /* handed to `progress` and `note` */
     /* A def whose size ends here is accepted too. */
 
     /* An edge is a crease if the normals of its triangles differ by more than this; rad; 0: pi / 3; pi: no creases. */
@@ -151,6 +158,7 @@ typedef struct dpt_compile_def {
      * the content does not, as for dpt_compile_file, which goes by its path. Nothing is opened. NULL: there is none
      */
     const char *name;
+    dpt_compile_note_fn *note; /* NULL: none; it gets `user` too */
 } dpt_compile_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_compile_def_init, which passes your sizeof. */

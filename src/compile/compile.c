@@ -158,6 +158,7 @@ static dpt_result take_steps(struct model *model, soup *source)
 {
     const struct compile_context *context = source->context;
     DPT_TRY(soup_check_corners(source));
+    DPT_TRY(soup_cut_polygons(source));
     DPT_TRY(begin_step(context, "clean"));
     DPT_TRY(model_clean(model, source));
     DPT_TRY(begin_step(context, "order"));
@@ -223,6 +224,17 @@ static dpt_result take_springs(struct compile_call *call)
     return springs_check(context, &call->springs);
 }
 
+/* A def of an older version may end within a pointer. */
+static void drop_half_pointers(dpt_compile_def *def, size_t size)
+{
+    if (size < offsetof(dpt_compile_def, name))
+        def->springs = NULL;
+    if (size < offsetof(dpt_compile_def, note))
+        def->name = NULL;
+    if (size < sizeof *def)
+        def->note = NULL;
+}
+
 /* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */
 static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given, dpt_compiled *out,
                              const dpt_diag *diag)
@@ -243,10 +255,8 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return compile_fail(context, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
         return compile_fail(context, result, nowhere, "the def's size field is not set");
-    if (given && sized_of(given) < offsetof(dpt_compile_def, name))
-        def->springs = NULL; /* of half a pointer */
-    if (given && sized_of(given) < sizeof *def)
-        def->name = NULL; /* likewise */
+    if (given)
+        drop_half_pointers(def, sized_of(given));
     compile_context_init(context, def, &call->diag);
     if (def->reserved)
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");

@@ -17,17 +17,34 @@ void compile_context_init(struct compile_context *context, const dpt_compile_def
         context->threads = PARALLEL_MAX;
 }
 
+static void fill_diag(dpt_diag *diag, dpt_result code, source_location location, const char *format, va_list arguments)
+{
+    vsnprintf(diag->text, sizeof diag->text, format, arguments);
+    diag->code = code;
+    diag->line = location.line;
+    diag->byte = location.line != 0 ? 0 : location.byte;
+}
+
 dpt_result compile_fail(const struct compile_context *context, dpt_result code, source_location location,
                         const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(context->diag->text, sizeof context->diag->text, format, arguments);
+    fill_diag(context->diag, code, location, format, arguments);
     va_end(arguments);
-    context->diag->code = code;
-    context->diag->line = location.line;
-    context->diag->byte = location.line != 0 ? 0 : location.byte;
     return code;
+}
+
+void compile_note(const struct compile_context *context, source_location location, const char *format, ...)
+{
+    dpt_diag note = { .size = sizeof note };
+    va_list arguments;
+    if (!context->def || !context->def->note)
+        return;
+    va_start(arguments, format);
+    fill_diag(&note, DPT_OK, location, format, arguments);
+    va_end(arguments);
+    context->def->note(context->def->user, &note);
 }
 
 dpt_result compile_report_progress(const struct compile_context *context, const char *step, double done)

@@ -38,6 +38,13 @@ dpt_result compile_fail(const struct compile_context *context, dpt_result code, 
 #endif
     ;
 
+/* Hand a note to the callback: what the user should know, of a source that compiles. Formatted as compile_fail's. */
+void compile_note(const struct compile_context *context, source_location location, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
 /* Report to the callback that `done` (0..1) of a step is done. Returns DPT_OK or DPT_E_CANCELLED. */
 dpt_result compile_report_progress(const struct compile_context *context, const char *step, double done);
 

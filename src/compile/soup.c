@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "base/vec3.h"
 #include "compile/compile_context.h"
 
 #define COUNT_MAX     ((size_t)INT32_MAX)
@@ -101,7 +100,7 @@ dpt_result soup_add_polygon(soup *source, const uint32_t *corners, size_t n, sou
     }
     if (n > 3)
         source->polygons[source->polygon_count++] =
-            (soup_polygon_span){ (uint32_t)source->triangle_count, (uint32_t)n };
+            (soup_polygon_span){ location, (uint32_t)source->triangle_count, (uint32_t)n };
     for (size_t i = 1; i + 1 < n; i++) {
         uint32_t *triangle = source->corners + 3 * source->triangle_count++;
         triangle[0] = corners[0];
@@ -119,62 +118,4 @@ dpt_result soup_check_corners(soup *source)
                         "a polygon names vertex %u, counted from %u, and there are only %zu",
                         (unsigned)(source->highest_corner + source->base), (unsigned)source->base,
                         source->vertex_count);
-}
-
-/* The position of corner `k` of a polygon, read from its fan. */
-static vec3 polygon_corner(const soup *source, const soup_polygon_span *span, uint32_t k)
-{
-    size_t first = span->first_triangle;
-    size_t slot = k < 2 ? 3 * first + k : 3 * (first + k - 2) + 2;
-    return vec3_of_float(source->positions + 3 * (size_t)source->corners[slot]);
-}
-
-static double sum_of_sizes(vec3 a)
-{
-    return fabs(a.x) + fabs(a.y) + fabs(a.z);
-}
-
-/* Set `normal` to twice the polygon's area vector. Returns the largest coordinate, in size. */
-static double mean_normal(const soup *source, const soup_polygon_span *span, vec3 *normal)
-{
-    const vec3 origin = polygon_corner(source, span, 0);
-    vec3 a = sub(polygon_corner(source, span, 1), origin);
-    double max_coordinate = 0.0;
-    *normal = (vec3){ 0.0, 0.0, 0.0 };
-    for (uint32_t k = 2; k < span->corners; k++) {
-        const vec3 b = sub(polygon_corner(source, span, k), origin);
-        *normal = add(*normal, cross(a, b));
-        a = b;
-    }
-    for (uint32_t k = 0; k < span->corners; k++)
-        max_coordinate = max_of(max_coordinate, extent_of(polygon_corner(source, span, k)));
-    return max_coordinate;
-}
-
-/* After rounding, a straight corner turns a little in either direction. This must not count as concave. */
-static int is_concave(const soup *source, const soup_polygon_span *span)
-{
-    vec3 normal;
-    const double rounding = 4.0 * 0x1p-24 * mean_normal(source, span, &normal);
-    vec3 before = polygon_corner(source, span, span->corners - 1), here = polygon_corner(source, span, 0);
-    for (uint32_t k = 0; k < span->corners; k++) {
-        const vec3 after = polygon_corner(source, span, k + 1 < span->corners ? k + 1 : 0);
-        const vec3 in = sub(here, before), out = sub(after, here);
-        const double turn_along_normal = dot(cross(in, out), normal);
-        const double tolerance = rounding * (sum_of_sizes(in) + sum_of_sizes(out));
-        if (turn_along_normal < 0.0 &&
-            turn_along_normal * turn_along_normal > tolerance * tolerance * dot(normal, normal))
-            return 1;
-        before = here;
-        here = after;
-    }
-    return 0;
-}
-
-uint32_t soup_concave_polygons(const soup *source)
-{
-    uint32_t count = 0;
-    for (size_t i = 0; i < source->polygon_count; i++)
-        count += (uint32_t)is_concave(source, &source->polygons[i]);
-    return count;
 }

@@ -10,9 +10,10 @@
 
 #include "compile/compile_context.h"
 
-/* A polygon of more than three corners. It is stored as a fan of corners - 2 triangles. */
+/* A polygon of more than three corners. It is stored as corners - 2 triangles, a fan of its first corner at first. */
 typedef struct soup_polygon_span {
-    uint32_t first_triangle; /* of the fan, by source number */
+    source_location location;
+    uint32_t first_triangle; /* by source number */
     uint32_t corners;
 } soup_polygon_span;
 
@@ -26,6 +27,7 @@ typedef struct soup {
     double rounding;                  /* largest |stored - scale * source| of a coordinate, m */
     uint32_t highest_corner;          /* the highest vertex number in any polygon */
     source_location highest_location; /* of that polygon, for the message if there is no such vertex */
+    uint32_t concave_polygons;        /* of soup_cut_polygons */
     uint32_t base;                    /* number of the first vertex in the file's own counting, 0 or 1 */
     const struct compile_context *context;
 } soup;
@@ -45,8 +47,12 @@ dpt_result soup_add_polygon(soup *soup, const uint32_t *corners, size_t n, sourc
  */
 dpt_result soup_check_corners(soup *soup);
 
-/* The number of concave polygons: those with a corner that turns against the polygon's mean normal. */
-uint32_t soup_concave_polygons(const soup *soup);
+/*
+ * Call after soup_check_corners, once. Concave polygons are cut by their ears, in place and into as many triangles; all
+ * others stay fans. Fills in concave_polygons: those with a corner that turns against the polygon's mean normal. Notes
+ * what cannot be cut, and stays a fan: polygons that cross themselves, or are not planar. Returns as soup_add_vertex.
+ */
+dpt_result soup_cut_polygons(soup *soup);
 
 /*
  * The readers: parse all bytes of a file into vertices and polygons. Time and memory are linear in `size`; no count in

@@ -81,7 +81,7 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
     mesh->dropped_degenerate = model->dropped_degenerate;
     mesh->dropped_duplicate = model->dropped_duplicate;
     mesh->unused_vertices = model->unused_vertices;
-    mesh->concave_polygons = soup_concave_polygons(source);
+    mesh->concave_polygons = source->concave_polygons;
     mesh->open_edges = model->open_edges;
     mesh->nonmanifold_edges = model->nonmanifold_edges;
     mesh->wrong_way_edges = model->wrong_way_edges;
