@@ -118,8 +118,17 @@ typedef struct dpt_compile_def {
 
     /* An edge is a crease if the normals of its triangles differ by more than this; rad; 0: pi / 3; pi: no creases. */
     double crease;
-    uint32_t threads;  /* the most threads to use, the calling one included; at most 64; 0 means 1 */
-    uint32_t reserved; /* 0 */
+    uint32_t threads; /* the most threads to use, the calling one included; at most 64; 0 means 1 */
+    /*
+     * 1: move the mesh, so that its box's centre comes near the origin: floats are fine there. dpt_mesh_info.origin says
+     * by how much, in few digits; coordinates are at most 1e9 m before. 0: the mesh stays in the source's frame. It does
+     * not go with cells.
+     *
+     * A mesh that lies so far from the origin that floats are too coarse for it is noted, where vertices are rounded by
+     * more than a thousandth of the triangles' median edge. It is refused beyond a tenth, as DPT_E_FINITE, unless it is
+     * moved.
+     */
+    uint32_t recentre;
 
     /*
      * Embed the vertices in a mesh of tetrahedra that somebody's physics moves (dpt_mesh_get_embedding). Both counts

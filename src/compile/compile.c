@@ -158,7 +158,9 @@ static dpt_result take_steps(struct model *model, soup *source)
 {
     const struct compile_context *context = source->context;
     DPT_TRY(soup_check_corners(source));
+    DPT_TRY(soup_recentre(source));
     DPT_TRY(soup_cut_polygons(source));
+    DPT_TRY(soup_check_rounding(source));
     DPT_TRY(begin_step(context, "clean"));
     DPT_TRY(model_clean(model, source));
     DPT_TRY(begin_step(context, "order"));
@@ -258,8 +260,8 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
     if (given)
         drop_half_pointers(def, sized_of(given));
     compile_context_init(context, def, &call->diag);
-    if (def->reserved)
-        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
+    if (def->recentre > 1)
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "recentre must be 0 or 1");
     if (def->format > DPT_FORMAT_OFF)
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no such format");
     if (def->scale < 0.0 || !within(def->scale, 1e30))
@@ -270,6 +272,8 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "nodes without cells, or cells without");
     if (def->cell_count && (!def->nodes || !def->cells))
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no nodes or no cells");
+    if (def->cell_count && def->recentre)
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "recentre and cells exclude each other");
     return def->springs ? take_springs(call) : DPT_OK;
 }
 

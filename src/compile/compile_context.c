@@ -11,6 +11,7 @@ void compile_context_init(struct compile_context *context, const dpt_compile_def
     *context = (struct compile_context){ .scale = def && def->scale != 0.0 ? def->scale : 1.0,
                                          .crease = def && def->crease != 0.0 ? def->crease : CREASE_DEFAULT,
                                          .threads = def && def->threads ? def->threads : 1,
+                                         .recentre = def && def->recentre,
                                          .def = def,
                                          .diag = diag };
     if (context->threads > PARALLEL_MAX)

@@ -17,6 +17,7 @@ struct compile_context {
     double scale;               /* metres per unit of the source */
     double crease;              /* rad */
     uint32_t threads;           /* 1..PARALLEL_MAX */
+    int recentre;               /* 1: the mesh is moved to its origin */
     const dpt_compile_def *def; /* for cells, springs and the progress callback; may be NULL */
     dpt_diag *diag;             /* never NULL */
 };

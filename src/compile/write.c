@@ -68,9 +68,10 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
 {
     memcpy(mesh->magic, MESH_MAGIC, sizeof mesh->magic);
     mesh->byte_order = MESH_BYTE_ORDER;
-    mesh->version = MESH_VERSION;
-    mesh->header_bytes = mesh_header_bytes(MESH_VERSION);
-    mesh->section_count = mesh_section_count(MESH_VERSION);
+    const double *origin = source->origin;
+    mesh->version = origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0 ? MESH_VERSION : MESH_VERSION - 1;
+    mesh->header_bytes = mesh_header_bytes(mesh->version);
+    mesh->section_count = mesh_section_count(mesh->version);
     mesh->writer_version = DPT_VERSION_NUMBER;
     mesh->triangles = model->triangle_count;
     mesh->vertices = model->vertex_count;
@@ -108,6 +109,7 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
                                      .spring_mass = model->mass,
                                      .poisson = model->poisson,
                                      .stable_step = model->stable_step };
+    memcpy(mesh->tail.origin, origin, sizeof mesh->tail.origin);
     memcpy(mesh->tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
     mesh->scale = source->context->scale;
     mesh->rounding = source->rounding;
@@ -115,7 +117,7 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
 
 static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
 {
-    uint64_t end = sizeof *mesh;
+    uint64_t end = mesh->header_bytes;
     for (int id = 0; id < MESH_SECTION_COUNT; id++) {
         struct mesh_section *section = &mesh->section[id];
         mesh_section_name(id, section->name);
@@ -288,10 +290,11 @@ static void seal_sections(void *context, size_t first, size_t end)
 
 static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
 {
-    int swap = !host_is_little();
+    const int swap = !host_is_little();
+    const uint32_t size = mesh->header_bytes;
     if (swap)
-        mesh_swap_header(mesh, MESH_VERSION);
-    uint32_t sum = crc32_of(crc, mesh, sizeof *mesh);
+        mesh_swap_header(mesh, mesh->version);
+    uint32_t sum = crc32_of(crc, mesh, size);
     if (swap)
         mesh_swap4(&sum, 1);
     mesh->header_crc32 = sum;
@@ -357,8 +360,9 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     out->size = (size_t)mesh->bytes;
     crc32_init(&writing.crc);
     parallel_for(threads, out->size, SECTION_MIN, seal_sections, &writing);
+    const uint32_t header_bytes = mesh->header_bytes;
     seal_header(mesh, &writing.crc);
-    memcpy(bytes, mesh, sizeof *mesh);
+    memcpy(bytes, mesh, header_bytes);
     out->bytes = bytes;
     return DPT_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The layout of a .dpa file, version 6: the single source of docs/format.md, of the compiler's writer and of the
+ * The layout of a .dpa file, version 7: the single source of docs/format.md, of the compiler's writer and of the
  * core's reader. `struct dpt_mesh` is the first bytes of a file of the newest version. An older file has fewer
  * sections, so the tail begins earlier, or is missing: read it by mesh_tail.
  *
@@ -22,7 +22,7 @@
 #define MESH_MAGIC              "\211DPA\r\n\032\n"
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
-#define MESH_VERSION            6u
+#define MESH_VERSION            7u /* of a mesh that was moved; of all others 6 */
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 leaves are more than 2^32 triangles fill */
 
@@ -47,6 +47,9 @@
 
 /* Rounding: how far the square of the stable step may exceed what the file's own numbers allow. */
 #define MESH_STEP_ROUNDING 1e-5
+
+/* How far from the source's origin that of a moved mesh may be, m. */
+#define MESH_ORIGIN_MAX 1e9
 
 /* Codes in place of a neighbour over an edge. */
 #define MESH_EDGE_OPEN UINT32_MAX
@@ -131,7 +134,7 @@ struct mesh_section {
 
 /*
  * What follows the section table: nothing in version 1, four words in version 2, up to the crease in version 3, up to
- * self_intersection in version 4, up to outside_distance in version 5.
+ * self_intersection in version 4, up to outside_distance in version 5, up to stable_step in version 6.
  */
 struct mesh_tail {
     uint32_t solid_components;
@@ -155,6 +158,7 @@ struct mesh_tail {
     double spring_mass;               /* kg, of all nodes as if none were fixed */
     double poisson;                   /* Poisson's ratio of the net; 0 if it is not known */
     double stable_step;               /* s: of symplectic Euler without damping (springs.md) */
+    double origin[3];                 /* m: what was taken off the scaled source's coordinates */
 };
 
 /*
@@ -218,6 +222,7 @@ static inline size_t mesh_tail_bytes(uint32_t version)
            : version == 3 ? offsetof(struct mesh_tail, self_intersections)
            : version == 4 ? offsetof(struct mesh_tail, nodes)
            : version == 5 ? offsetof(struct mesh_tail, spring_nodes)
+           : version == 6 ? offsetof(struct mesh_tail, origin)
                           : sizeof(struct mesh_tail);
 }
 

@@ -190,6 +190,12 @@ void SceneBuilder::add_mesh(const Link &link, const Frame &pose, const Shape &sh
     scene->meshes.push_back(dpt_compiled());
     std::swap(scene->meshes.back(), compiled.file);
     add_body(link, pose, scene->meshes.back());
+    /* The mesh may have been moved: its body makes up for it. */
+    dpt_mesh_info info = {};
+    info.size = sizeof info;
+    dpt_mesh_get_info(scene->bodies.back().mesh, &info);
+    const Vec origin = { info.origin[0], info.origin[1], info.origin[2] };
+    scene->bodies.back().pose = pose_of(Frame{ pose * origin, pose.w, pose.v });
 }
 
 } // namespace

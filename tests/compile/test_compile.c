@@ -476,10 +476,10 @@ static void wrong_input_is_refused(void)
         bad = SOURCE(vertices, cube_corners);
         expect_refusal(&bad, NULL, DPT_E_FINITE, k / 3 * 24);
     }
-    def.reserved = 1;
+    def.recentre = 2;
     expect_refusal(&good, &def, DPT_E_ARGUMENT, 0);
-    def.size = offsetof(dpt_compile_def, reserved); /* where it ends before, nobody looks */
-    CHECK(dpt_compile_arrays(cube, 8, cube_corners, 12, &def, &out, NULL) == DPT_OK, "reserved");
+    def.size = offsetof(dpt_compile_def, recentre); /* where it ends before, nobody looks */
+    CHECK(dpt_compile_arrays(cube, 8, cube_corners, 12, &def, &out, NULL) == DPT_OK, "recentre");
     dpt_compiled_free(&out);
     def.size = offsetof(dpt_compile_def, crease) - 1;
     expect_refusal(&good, &def, DPT_E_SIZE, 0);

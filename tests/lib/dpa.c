@@ -62,6 +62,25 @@ struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind
     return file_of_compiled_shape(name, count, 0, &def);
 }
 
+struct file file_of_moved_shape(const char *name, uint64_t count)
+{
+    struct shape shape;
+    shape_reason reason;
+    dpt_compiled compiled = { NULL, 0 };
+    const dpt_compile_def def = { .size = sizeof def, .recentre = 1 };
+    if (shape_make(name, count, 0, &shape, reason) == 0) {
+        for (size_t v = 0; v < shape.vertex_count; v++)
+            shape.vertices[3 * v] += 1000.0;
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def, &compiled,
+                           NULL);
+    }
+    shape_free(&shape);
+    struct file file = file_of(compiled.bytes, compiled.size);
+    dpt_compiled_free(&compiled);
+    dpt_mesh_convert(file.bytes, file.size, NULL);
+    return file;
+}
+
 uint32_t crc_of(const unsigned char *bytes, size_t size)
 {
     uint32_t crc = 0xffffffffu;
@@ -80,7 +99,8 @@ size_t header_bytes_of(const struct dpt_mesh *header)
            : header->version == 3 ? 928
            : header->version == 4 ? 944
            : header->version == 5 ? 1104
-                                  : 1488;
+           : header->version == 6 ? 1488
+                                  : 1512;
 }
 
 static int sections_of(const struct dpt_mesh *header)
@@ -163,10 +183,12 @@ struct file other_order(const struct file *file)
             reverse(tail + 48, 4, 2);
             reverse(tail + 56, 8, 1);
         }
-        if (length == 1488) {
+        if (length >= 1488) {
             reverse(tail + 64, 4, 4);
             reverse(tail + 80, 8, 4);
         }
+        if (length == 1512)
+            reverse(tail + 112, 8, 3);
     }
     header.header_crc32 = crc_of(bytes, length);
     reverse((unsigned char *)&header.header_crc32, 4, 1);

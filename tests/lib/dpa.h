@@ -46,6 +46,9 @@ struct file file_of_embedded_shape(const char *name, uint64_t count);
 /* With springs of this kind, DPT_SPRINGS_...; a volume's lattice has a spacing of 0.05 m. */
 struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind);
 
+/* Moved to the origin by the compiler, from 1000 m along x. */
+struct file file_of_moved_shape(const char *name, uint64_t count);
+
 /* Bit by bit: slower than the library's, and not derived from it. */
 uint32_t crc_of(const unsigned char *bytes, size_t size);
 

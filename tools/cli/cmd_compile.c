@@ -18,7 +18,7 @@
 
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
-    "                        [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
+    "                        [--recentre] [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
     "                        [--tool LINK] [--packages DIRS]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
@@ -35,6 +35,8 @@ static const char help[] =
     "                  is noted on standard error\n"
     "  --scale X       any other unit: metres of one; --unit mm is --scale 0.001\n"
     "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is none\n"
+    "  --recentre      move the mesh to the origin, and keep in the file by how much; for a source that\n"
+    "                  lies so far away that floats are too coarse for it\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
     "  -j N            use at most N threads; default 1; the bytes are the same for every N\n"
     "  --nodes BASE    embed the vertices in the tetrahedra of TetGen's BASE.node and BASE.ele, in the\n"
@@ -52,10 +54,29 @@ static const char help[] =
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
+/* What callbacks are handed. */
+struct listener {
+    struct meter meter;
+    const char *in; /* the source */
+};
+
 static int show_progress(void *user, const char *step, double done)
 {
-    meter_show(user, step, done < 1.0 ? done : 0.999);
+    struct listener *listener = user;
+    meter_show(&listener->meter, step, done < 1.0 ? done : 0.999);
     return 0;
+}
+
+static void show_note(void *user, const dpt_diag *note)
+{
+    struct listener *listener = user;
+    meter_show(&listener->meter, "", 1.0);
+    if (note->line)
+        fprintf(stderr, "%s:%" PRIu64 ": note: %s\n", listener->in, note->line, note->text);
+    else if (note->byte)
+        fprintf(stderr, "%s: byte %" PRIu64 ": note: %s\n", listener->in, note->byte, note->text);
+    else
+        fprintf(stderr, "%s: note: %s\n", listener->in, note->text);
 }
 
 /* Keywords of C and C++, and names that the written file uses. */
@@ -137,6 +158,14 @@ static void report_embedding(FILE *file, const dpt_mesh_info *info)
         fputs("all vertices are within cells\n", file);
 }
 
+static void report_origin(FILE *file, const dpt_mesh_info *info)
+{
+    const double *origin = info->origin;
+    if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0)
+        fprintf(file, "  moved by (%.9g, %.9g, %.9g) m, rounded by at most %.3g m\n", 0.0 - origin[0], 0.0 - origin[1],
+                0.0 - origin[2], info->rounding);
+}
+
 static void report_springs(FILE *file, const dpt_mesh_info *info)
 {
     if (!info->spring_nodes)
@@ -176,7 +205,7 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
         { "edges run through twice in one direction", info.wrong_way_edges },
         { "open edges", info.open_edges },
         { "non-manifold edges", info.nonmanifold_edges },
-        { "concave polygons cut into fans", info.concave_polygons },
+        { "concave polygons", info.concave_polygons },
     };
     for (size_t i = 0; i < sizeof found / sizeof *found; i++)
         if (found[i].count)
@@ -191,6 +220,7 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
                 one ? "" : "such as ", pair[0], pair[1]);
     else if (info.self_intersections_more)
         fputs("  self-intersections: none found, but the search stopped before its end\n", file);
+    report_origin(file, &info);
     report_embedding(file, &info);
     report_springs(file, &info);
 }
@@ -249,6 +279,7 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
 struct compile_settings {
     const char *in, *out, *array, *tool, *packages, *unit, *nodes;
     double scale, crease;
+    int recentre;
     uint64_t threads;
     struct spring_options springs;
 };
@@ -260,6 +291,8 @@ static int compile_with_nodes(struct compile_settings *settings, dpt_compile_def
     const char *nodes = settings->nodes;
     struct cell_files cells = { .node_path = NULL };
     int status = spring_options_take(&settings->springs, "compile", settings->out, def);
+    if (nodes && def->recentre)
+        status = complain("compile", "--nodes and --recentre exclude each other: the nodes would stay where they are");
     if (nodes && def->springs)
         status = complain("compile", "--nodes and --springs exclude each other");
     if (nodes && status == 0)
@@ -287,6 +320,7 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
                                           { .name = "--unit", .text = &settings->unit },
                                           { .name = "--scale", .number = &settings->scale },
                                           { .name = "--crease", .number = &settings->crease },
+                                          { .name = "--recentre", .flag = &settings->recentre },
                                           { .name = "--c-array", .text = &settings->array },
                                           { .name = "--nodes", .text = &settings->nodes },
                                           { .name = "--springs", .text = &springs->kind },
@@ -365,16 +399,18 @@ int command_compile(int argc, char **argv)
         return status;
     if (check_settings(&settings))
         return 2;
-    struct meter meter = { .began = 0 };
+    struct listener listener = { .in = settings.in };
     dpt_compile_def def = { .size = sizeof def,
                             .scale = settings.scale,
                             .progress = show_progress,
-                            .user = &meter,
+                            .user = &listener,
+                            .note = show_note,
+                            .recentre = settings.recentre ? 1 : 0,
                             .crease = settings.crease * DEGREE,
                             .threads = settings.threads < UINT32_MAX ? (uint32_t)settings.threads : UINT32_MAX };
     dpt_compiled compiled;
     status = compile_with_nodes(&settings, &def, &compiled, &is_arm);
-    meter_show(&meter, "", 1.0);
+    meter_show(&listener.meter, "", 1.0);
     if (status != 0)
         return status;
     status = keep_compiled(&settings, &compiled, is_arm);

@@ -53,6 +53,7 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info, const st
            info->spring_mass, info->poisson, info->stable_step);
     printf("\"box\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],", info->box_min[0], info->box_min[1], info->box_min[2],
            info->box_max[0], info->box_max[1], info->box_max[2]);
+    printf("\"origin\":[%.17g,%.17g,%.17g],", info->origin[0], info->origin[1], info->origin[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,", info->crease_edges,
            info->normalless_vertices, info->crease);
     if (thickness && thickness->walls)
@@ -123,6 +124,9 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
     printf("  %-24s %10.6g x %.6g x %.6g m from (%.6g, %.6g, %.6g)\n", "box", info->box_max[0] - info->box_min[0],
            info->box_max[1] - info->box_min[1], info->box_max[2] - info->box_min[2], info->box_min[0], info->box_min[1],
            info->box_min[2]);
+    if (info->origin[0] != 0.0 || info->origin[1] != 0.0 || info->origin[2] != 0.0)
+        printf("  %-24s %10.9g, %.9g, %.9g m: its origin is there in the source\n", "moved to the origin from",
+               info->origin[0], info->origin[1], info->origin[2]);
     if (size_hint(info))
         printf("  %-24s %s, of dynpoint compile\n", "", size_hint(info));
     if (thickness)
