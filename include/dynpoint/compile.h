@@ -126,7 +126,7 @@ typedef struct dpt_compile_def {
      *
      * A mesh that lies so far from the origin that floats are too coarse for it is noted, where vertices are rounded by
      * more than a thousandth of the triangles' median edge. It is refused beyond a tenth, as DPT_E_FINITE, unless it is
-     * moved.
+     * moved. The texts name `dynpoint compile --recentre`, which sets this.
      */
     uint32_t recentre;
 

@@ -20,7 +20,9 @@ void compile_context_init(struct compile_context *context, const dpt_compile_def
 
 static void fill_diag(dpt_diag *diag, dpt_result code, source_location location, const char *format, va_list arguments)
 {
-    vsnprintf(diag->text, sizeof diag->text, format, arguments);
+    const int length = vsnprintf(diag->text, sizeof diag->text, format, arguments);
+    if (length >= (int)sizeof diag->text)
+        memcpy(diag->text + sizeof diag->text - 4, "...", 4);
     diag->code = code;
     diag->line = location.line;
     diag->byte = location.line != 0 ? 0 : location.byte;

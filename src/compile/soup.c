@@ -261,8 +261,7 @@ dpt_result soup_check_rounding(const soup *source)
     if (median > 0.0 && source->rounding > 0.1 * median && !source->context->recentre)
         return compile_fail(
             source->context, DPT_E_FINITE, (source_location){ 0, 0 },
-            "rounded by up to %.3g m, with a median edge of %.3g m: too far from the origin; --recentre "
-            "(recentre of the def) moves it",
+            "rounded by up to %.3g m, with a median edge of %.3g m: too far from the origin; --recentre moves it",
             source->rounding, median);
     if (source->rounding > 0.001 * median)
         compile_note(source->context, (source_location){ 0, 0 },

@@ -19,7 +19,7 @@
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
     "                        [--recentre] [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
-    "                        [--tool LINK] [--packages DIRS]\n"
+    "                        [--tool LINK] [--packages DIRS] [--skip LINK ...] [--without-scene]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
     "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; says\n"
@@ -50,7 +50,10 @@ static const char help[] =
     "  --fixed FILE    numbers of vertices of the source, from 0, that do not move\n"
     "  --tool LINK     of a URDF: the link that is the tool; default: the only one without children\n"
     "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them; then\n"
-    "                  those above the file are looked at\n";
+    "                  those of ROS_PACKAGE_PATH, the share folders of AMENT_PREFIX_PATH, and those above\n"
+    "                  the file are looked at\n"
+    "  --skip LINK     of a URDF: leave out the collision shapes of this link; may be given several times\n"
+    "  --without-scene of a URDF: leave out the meshes and boxes that stand still\n";
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
@@ -245,8 +248,8 @@ static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_comp
 /*
  * Compile a mesh, which is opened once and may be a pipe, or a URDF, whose reader needs the path to find what it names.
  */
-static int compile_input(const char *in, dpt_compile_def *def, const char *tool, const char *packages,
-                         dpt_compiled *compiled, int *is_arm)
+static int compile_input(const char *in, dpt_compile_def *def, const struct arm_options *arm, dpt_compiled *compiled,
+                         int *is_arm)
 {
     struct stat found;
     size_t size;
@@ -255,7 +258,7 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     if (*is_arm && (def->cell_count || def->springs))
         return complain("compile", "%s: --nodes and --springs are for a mesh", in);
     if (*is_arm)
-        return compile_urdf(in, def, tool, packages, compiled);
+        return compile_urdf(in, def, arm, compiled);
     void *bytes = load_file("compile", in, &size);
     if (!bytes)
         return 2;
@@ -266,9 +269,9 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     else if (*is_arm && (def->cell_count || def->springs))
         status = complain("compile", "%s: --nodes and --springs are for a mesh", in);
     else if (*is_arm)
-        status = compile_urdf(in, def, tool, packages, compiled);
-    else if (tool || packages)
-        status = complain("compile", "%s: --tool and --packages are for a URDF", in);
+        status = compile_urdf(in, def, arm, compiled);
+    else if (arm_options_are_given(arm))
+        status = complain("compile", "%s: --tool, --packages, --skip and --without-scene are for a URDF", in);
     else
         status = compile_mesh(in, bytes, size, def, compiled);
     free(bytes);
@@ -277,7 +280,8 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
 
 /* What the user says. */
 struct compile_settings {
-    const char *in, *out, *array, *tool, *packages, *unit, *nodes;
+    const char *in, *out, *array, *unit, *nodes;
+    struct arm_options arm;
     double scale, crease;
     int recentre;
     uint64_t threads;
@@ -302,7 +306,7 @@ static int compile_with_nodes(struct compile_settings *settings, dpt_compile_def
     if (nodes && status == 0)
         status = cell_files_load(&cells, "compile", def);
     if (status == 0)
-        status = compile_input(settings->in, def, settings->tool, settings->packages, compiled, is_arm);
+        status = compile_input(settings->in, def, &settings->arm, compiled, is_arm);
     cell_files_free(&cells);
     spring_options_free(&settings->springs);
     return status;
@@ -333,8 +337,10 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
                                           { .name = "--spacing", .number = &springs->spacing },
                                           { .name = "--regions", .text = &springs->regions_path },
                                           { .name = "--fixed", .text = &springs->fixed_path },
-                                          { .name = "--tool", .text = &settings->tool },
-                                          { .name = "--packages", .text = &settings->packages } };
+                                          { .name = "--tool", .text = &settings->arm.tool },
+                                          { .name = "--packages", .text = &settings->arm.packages },
+                                          { .name = "--skip", .texts = &settings->arm.skip },
+                                          { .name = "--without-scene", .flag = &settings->arm.without_scene } };
     int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
                                &settings->in, 1, &operands);
     if (status >= 0)
