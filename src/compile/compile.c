@@ -10,6 +10,7 @@
 #include "base/sized.h"
 #include "base/vec3.h"
 #include "compile/compile_context.h"
+#include "compile/foreign.h"
 #include "compile/model.h"
 #include "compile/spring_build.h"
 #include "compile/text.h"
@@ -99,7 +100,7 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
         return DPT_FORMAT_OFF;
     if (is_binary_stl(bytes, size) || is_ascii_stl(text))
         return DPT_FORMAT_STL;
-    if (is_compiled(bytes, size))
+    if (is_compiled(bytes, size) || foreign_format_of(bytes, size))
         return DPT_FORMAT_AUTO;
     uint32_t format = format_of_extension(path);
     if (format == DPT_FORMAT_AUTO && has_vertex_line(text))
@@ -107,11 +108,47 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
     return format;
 }
 
+/* 3D Slicer writes which way its axes point into the header, or the first comment, of a mesh. */
+static void note_space(const soup *source, const unsigned char *bytes, size_t size)
+{
+    static const char word[] = "SPACE=";
+    const size_t length = sizeof word - 1, end = size < 1024 ? size : 1024;
+    for (size_t at = 0; at + length + 3 <= end; at++) {
+        if (memcmp(bytes + at, word, length) != 0)
+            continue;
+        if (memcmp(bytes + at + length, "LPS", 3) == 0)
+            compile_note(
+                source->context, (source_location){ 0, at },
+                "SPACE=LPS, by 3D Slicer, in mm: x to the patient's left, y to the back; of meshes in RAS x and y "
+                "are reversed");
+        if (memcmp(bytes + at + length, "RAS", 3) == 0)
+            compile_note(
+                source->context, (source_location){ 0, at },
+                "SPACE=RAS, by 3D Slicer, in mm: x to the patient's right, y to the front; of meshes in LPS x and "
+                "y are reversed");
+        return;
+    }
+}
+
+static dpt_result refuse_format(const soup *source, const unsigned char *bytes, size_t size)
+{
+    const struct foreign_format *foreign = foreign_format_of(bytes, size);
+    const source_location nowhere = { 0, 0 };
+    if (!size)
+        return compile_fail(source->context, DPT_E_EMPTY, nowhere, "the file is empty");
+    if (foreign)
+        return compile_fail(source->context, DPT_E_FORMAT, nowhere,
+                            "this is %s: make it an STL (docs/algorithms/compile.md#other-formats)", foreign->name);
+    return compile_fail(source->context, DPT_E_FORMAT, nowhere, "neither OBJ, STL, PLY nor OFF");
+}
+
 dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
 {
     if (format != DPT_FORMAT_STL && is_compiled(bytes, size))
         return compile_fail(source->context, DPT_E_FORMAT, (source_location){ 0, 0 },
                             "this is compiled already: a .dpa file");
+    if (format != DPT_FORMAT_AUTO)
+        note_space(source, bytes, size);
     switch (format) {
     case DPT_FORMAT_OBJ:
         return read_obj(source, bytes, size);
@@ -122,9 +159,7 @@ dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes
     case DPT_FORMAT_OFF:
         return read_off(source, bytes, size);
     default:
-        if (!size)
-            return compile_fail(source->context, DPT_E_EMPTY, (source_location){ 0, 0 }, "the file is empty");
-        return compile_fail(source->context, DPT_E_FORMAT, (source_location){ 0, 0 }, "neither OBJ, STL, PLY nor OFF");
+        return refuse_format(source, bytes, size);
     }
 }
 

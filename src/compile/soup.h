@@ -85,7 +85,7 @@ dpt_result read_off(soup *soup, const unsigned char *bytes, size_t size);
  *   2. by the file name extension of `path`, which may be NULL
  *   3. OBJ if a line begins with `v `
  *
- * DPT_FORMAT_AUTO if nothing fits, or if the file is a .dpa.
+ * DPT_FORMAT_AUTO if nothing fits, or if the file is a .dpa or in a foreign format (foreign.h).
  */
 uint32_t source_format(const char *path, const unsigned char *bytes, size_t size);
 

@@ -54,7 +54,7 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     check 'with the same bytes' cmp -s arm.dpa stdout
     refuses 'a description without robot' 'not a URDF' compile "$golden/sdf.urdf" -o out/x
     echo '<COLLADA/>' >mesh.dae
-    refuses 'a mesh in XML' 'mesh.dae: neither OBJ' compile mesh.dae -o out/x
+    refuses 'a mesh in XML' 'mesh.dae: this is COLLADA: python3 -c' compile mesh.dae -o out/x
     refuses 'the line of a refusal' 'zero_axis.urdf:14: joint' \
         compile "$golden/zero_axis.urdf" -o out/x
     refuses 'notes of what is refused' "arm.urdf: there is no link 'nonesuch'" \

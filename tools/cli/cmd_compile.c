@@ -11,6 +11,7 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/compile_options.h"
+#include "compile/foreign.h"
 #include "compile/soup.h"
 #include "dynpoint/compile.h"
 #include "shape/mesh_file.h"
@@ -236,10 +237,26 @@ static void note_size(const dpt_compiled *compiled, const char *in)
         fprintf(stderr, "%s: note: its box is %s: %s\n", in, size_text(&info).text, hint);
 }
 
+/* Name the command that makes a foreign file one that is read. */
+static int complain_of_format(const char *in, const struct foreign_format *foreign)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/-";
+    char way[512];
+    const char *from = strcmp(in, "-") && !in[strspn(in, plain)] && strlen(in) < 200 ? in : "IN";
+    snprintf(way, sizeof way, foreign->command, from, "OUT.stl");
+    if (!foreign->packages)
+        return complain("compile", "%s: this is %s: %s, %s", in, foreign->name, way, foreign->unit);
+    return complain("compile", "%s: this is %s: python3 -c \"%s\" (after pip install %s), then compile OUT.stl with %s",
+                    in, foreign->name, way, foreign->packages, foreign->unit);
+}
+
 static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_compile_def *def, dpt_compiled *compiled)
 {
     dpt_diag diag = { .size = sizeof diag };
     def->format = source_format(in, bytes, size);
+    const struct foreign_format *foreign = def->format == DPT_FORMAT_AUTO ? foreign_format_of(bytes, size) : NULL;
+    if (foreign)
+        return complain_of_format(in, foreign);
     if (dpt_compile_bytes(bytes, size, def, compiled, &diag) == DPT_OK)
         return 0;
     return complain_of_file("compile", in, &diag);
