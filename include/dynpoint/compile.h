@@ -113,7 +113,7 @@ typedef struct dpt_compile_def {
     uint32_t format;           /* DPT_FORMAT_... */
     double scale;              /* metres per unit of the source, positive; 0 means 1 */
     dpt_progress_fn *progress; /* NULL: none */
-    void *user;                /* handed to `progress` and `note` */
+    void *user;                /* handed to `progress` */
     /* A def whose size ends here is accepted too. */
 
     /* An edge is a crease if the normals of its triangles differ by more than this; rad; 0: pi / 3; pi: no creases. */
@@ -167,7 +167,8 @@ typedef struct dpt_compile_def {
      * the content does not, as for dpt_compile_file, which goes by its path. Nothing is opened. NULL: there is none
      */
     const char *name;
-    dpt_compile_note_fn *note; /* NULL: none; it gets `user` too */
+    dpt_compile_note_fn *note; /* NULL: none */
+    void *note_user;           /* handed to `note` */
 } dpt_compile_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_compile_def_init, which passes your sizeof. */

@@ -194,8 +194,8 @@ static dpt_result take_steps(struct model *model, soup *source)
     const struct compile_context *context = source->context;
     DPT_TRY(soup_check_corners(source));
     DPT_TRY(soup_recentre(source));
-    DPT_TRY(soup_cut_polygons(source));
     DPT_TRY(soup_check_rounding(source));
+    DPT_TRY(soup_cut_polygons(source));
     DPT_TRY(begin_step(context, "clean"));
     DPT_TRY(model_clean(model, source));
     DPT_TRY(begin_step(context, "order"));
@@ -268,8 +268,10 @@ static void drop_half_pointers(dpt_compile_def *def, size_t size)
         def->springs = NULL;
     if (size < offsetof(dpt_compile_def, note))
         def->name = NULL;
-    if (size < sizeof *def)
+    if (size < offsetof(dpt_compile_def, note_user))
         def->note = NULL;
+    if (size < sizeof *def)
+        def->note_user = NULL;
 }
 
 /* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */

@@ -47,7 +47,7 @@ void compile_note(const struct compile_context *context, source_location locatio
     va_start(arguments, format);
     fill_diag(&note, DPT_OK, location, format, arguments);
     va_end(arguments);
-    context->def->note(context->def->user, &note);
+    context->def->note(context->def->note_user, &note);
 }
 
 dpt_result compile_report_progress(const struct compile_context *context, const char *step, double done)

@@ -223,8 +223,6 @@ struct MeshNotes {
     const Link &link;
     const Shape &shape;
     Notes &notes;
-    dpt_progress_fn *progress;
-    void *user;
 };
 
 std::string place_of(const dpt_diag &diag)
@@ -239,12 +237,6 @@ void hear_note(void *user, const dpt_diag *note)
     const MeshNotes *of = static_cast<const MeshNotes *>(user);
     of->notes.add(of->link.line, "link " + quoted(of->link.name) + ": '" + of->shape.file + "'" +
                                      place_of(*note) + ": " + note->text);
-}
-
-int hear_progress(void *user, const char *step, double done)
-{
-    const MeshNotes *of = static_cast<const MeshNotes *>(user);
-    return of->progress ? of->progress(of->user, step, done) : 0;
 }
 
 /* Formats of scenes that robots' descriptions name. */
@@ -275,11 +267,10 @@ void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
         refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
                     std::string(" is ") + scene_format(ending) +
                         ": make it an STL (docs/urdf.md#meshes), or leave it out: --skip LINK");
-    MeshNotes mesh_notes = { link, shape, notes, mesh.progress, mesh.user };
+    MeshNotes mesh_notes = { link, shape, notes };
     dpt_compile_def scaled_def = mesh;
-    scaled_def.progress = hear_progress;
     scaled_def.note = hear_note;
-    scaled_def.user = &mesh_notes;
+    scaled_def.note_user = &mesh_notes;
     scaled_def.scale = (mesh.scale > 0.0 ? mesh.scale : 1.0) * scale.x;
     dpt_diag diag = {};
     diag.size = sizeof diag;

@@ -49,7 +49,7 @@ static void compile_far(struct attempt *attempt, const double far[3], uint32_t r
     attempt->diag.size = sizeof attempt->diag;
     attempt->info.size = sizeof attempt->info;
     def.note = hear;
-    def.user = &attempt->heard;
+    def.note_user = &attempt->heard;
     def.recentre = recentre;
     for (size_t v = 0; v < shape.vertex_count; v++)
         far_vertex(v, far, vertices + 3 * v);

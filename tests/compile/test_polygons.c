@@ -377,7 +377,7 @@ static void cut_text(reading *r, uint32_t format, const char *text, struct heard
     dpt_compile_def def;
     dpt_compile_def_init(&def);
     def.note = hear;
-    def.user = heard;
+    def.note_user = heard;
     memset(heard, 0, sizeof *heard);
     read_bytes(r, format, text, strlen(text), &def);
     if (r->result == DPT_OK)

@@ -394,7 +394,7 @@ static void hear(void *user, const dpt_diag *note)
 static heard notes_of(uint32_t format, const void *bytes, size_t size, size_t triangles)
 {
     heard h = { 0 };
-    const dpt_compile_def def = { .size = sizeof def, .note = hear, .user = &h };
+    const dpt_compile_def def = { .size = sizeof def, .note = hear, .note_user = &h };
     reading r;
     read_bytes(&r, format, bytes, size, &def);
     CHECK(r.result == DPT_OK && r.soup.triangle_count == triangles, "%s", r.diag.text);

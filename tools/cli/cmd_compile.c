@@ -428,6 +428,7 @@ int command_compile(int argc, char **argv)
                             .progress = show_progress,
                             .user = &listener,
                             .note = show_note,
+                            .note_user = &listener,
                             .recentre = settings.recentre ? 1 : 0,
                             .crease = settings.crease * DEGREE,
                             .threads = settings.threads < UINT32_MAX ? (uint32_t)settings.threads : UINT32_MAX };
