@@ -9,7 +9,12 @@
  * calling thread does its work. The progress callback is called from the calling thread.
  *
  * Formats: OBJ (faces with v, v/vt, v//vn, v/vt/vn, negative indices, polygons), STL (ASCII and binary), PLY (ASCII,
- * little- and big-endian) and OFF. Reading numbers does not depend on the locale.
+ * little- and big-endian) and OFF. Reading numbers does not depend on the locale. VTK, glTF, 3MF, COLLADA, Gmsh and gzip are
+ * known by their content, and refused by name (DPT_E_FORMAT; docs/algorithms/compile.md#other-formats).
+ *
+ * Polygons: one of n corners is n - 2 triangles, in its place. Convex ones are a fan of their first corner, concave ones are
+ * cut by their ears. One that crosses itself, or has a corner farther from its best plane than a tenth of its box's
+ * diagonal, is a fan, and noted.
  *
  * Repairs: the compiler repairs only what follows, and reports it in dpt_mesh_info. It joins equal vertices. It drops
  * degenerate and duplicate triangles. It winds each part that has an inside one way: outward, or inward for the wall of
@@ -60,7 +65,7 @@ enum {
 };
 enum { DPT_REGION_BOX = 1, DPT_REGION_SPHERE = 2 };
 
-/* Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame. Its size is final. */
+/* Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame, moved if that is. Its size is final. */
 typedef struct dpt_spring_region {
     uint32_t kind;  /* DPT_REGION_... */
     uint32_t fixed; /* 1: nodes in it do not move, and young, density and drag are not read; else 0 */

@@ -16,10 +16,11 @@
 #define LEAF_CORNERS 8u
 
 /*
- * What is in the way of an ear. Where a polygon touches itself, corners lie on the edges of all triangles that are left.
- * Whatever is let pass, the triangles' windings prove the result.
+ * What is in the way of an ear, and so not let pass. Where a polygon touches itself, corners lie on the edges of all
+ * triangles that are left, or beyond them by rounding: then corners that turn clockwise by rounding are cut, and after them
+ * more and more is let pass. Whatever it is, the triangles' windings prove the result.
  */
-enum { BLOCKED_BY_TOUCH, BLOCKED_ON_DIAGONAL, BLOCKED_WITHIN, BLOCKED_BY_NONE };
+enum { BLOCKED_NEARBY, STRAIGHTENED, BLOCKED_ON_DIAGONAL, BLOCKED_WITHIN, BLOCKED_BY_NONE };
 
 struct ear_corner {
     double at[2];
@@ -47,6 +48,7 @@ struct ear_state {
     uint32_t n, left, leaves; /* leaves: 0, or a power of two */
     uint32_t queue_first, queue_count;
     int level;
+    int is_straighter; /* 1: a corner was cut at this level */
     double rounding;
     uint64_t work, work_max;
 };
@@ -158,22 +160,29 @@ static void take_out(struct ear_state *state, struct ear_corner *corner)
     corner->leaf = 0;
 }
 
-/* Does the whole box lie outside of the edge from p to q of a triangle, for certain? */
-static int edge_leaves_out(const double p[2], const double q[2], const struct ear_box *box)
+/* Does the whole box lie outside of the edge from p to q of a triangle, by more than `slack`, for certain? */
+static int edge_leaves_out(const double p[2], const double q[2], const double low[2], const double high[2],
+                           double slack)
 {
     const double dx = q[0] - p[0], dy = q[1] - p[1];
-    const double a = dx * ((dx > 0.0 ? box->high[1] : box->low[1]) - p[1]);
-    const double b = dy * ((dy > 0.0 ? box->low[0] : box->high[0]) - p[0]);
-    return a - b < -SIGN_ROUNDING * (fabs(a) + fabs(b));
+    const double a = dx * ((dx > 0.0 ? high[1] : low[1]) - p[1]), b = dy * ((dy > 0.0 ? low[0] : high[0]) - p[0]);
+    return a - b < -slack * (fabs(dx) + fabs(dy)) - SIGN_ROUNDING * (fabs(a) + fabs(b));
 }
 
-static int box_is_outside(const double *const x[3], const struct ear_box *box)
+static int box_is_outside(const double *const x[3], const double low[2], const double high[2], double slack)
 {
     for (int k = 0; k < 2; k++)
-        if (max_of(x[0][k], max_of(x[1][k], x[2][k])) < box->low[k] ||
-            min_of(x[0][k], min_of(x[1][k], x[2][k])) > box->high[k])
+        if (max_of(x[0][k], max_of(x[1][k], x[2][k])) + slack < low[k] ||
+            min_of(x[0][k], min_of(x[1][k], x[2][k])) - slack > high[k])
             return 1;
-    return edge_leaves_out(x[0], x[1], box) || edge_leaves_out(x[1], x[2], box) || edge_leaves_out(x[2], x[0], box);
+    return edge_leaves_out(x[0], x[1], low, high, slack) || edge_leaves_out(x[1], x[2], low, high, slack) ||
+           edge_leaves_out(x[2], x[0], low, high, slack);
+}
+
+/* How far outside of a triangle corners are in its way. */
+static double slack_of(const struct ear_state *state)
+{
+    return state->level <= STRAIGHTENED ? state->rounding : 0.0;
 }
 
 /* Does the way from the ear's own place to `at` lead into it? */
@@ -193,9 +202,10 @@ static int is_in_the_way(const struct ear_state *state, const double *const x[3]
         return leads_into(x, state->corners[corner->before].at) || leads_into(x, state->corners[corner->after].at);
     if ((at[0] == x[0][0] && at[1] == x[0][1]) || (at[0] == x[2][0] && at[1] == x[2][1]))
         return 0;
-    const int on_edge = state->level == BLOCKED_BY_TOUCH ? 0 : 1, on_diagonal = state->level == BLOCKED_WITHIN ? 1 : 0;
-    return turn_of(x[0], x[1], at) >= on_edge && turn_of(x[1], x[2], at) >= on_edge &&
-           turn_of(x[2], x[0], at) >= on_diagonal;
+    if (state->level <= STRAIGHTENED)
+        return !box_is_outside(x, at, at, state->rounding);
+    return turn_of(x[0], x[1], at) > 0 && turn_of(x[1], x[2], at) > 0 &&
+           turn_of(x[2], x[0], at) >= (state->level == BLOCKED_WITHIN);
 }
 
 static int leaf_blocks(struct ear_state *state, uint32_t leaf, const double *const x[3])
@@ -218,12 +228,14 @@ static int leaf_blocks(struct ear_state *state, uint32_t leaf, const double *con
 static int is_blocked(struct ear_state *state, const double *const x[3])
 {
     uint32_t stack[64], depth = 0; /* one for each level of a tree of at most 2^32 leaves */
+    const double slack = slack_of(state);
     if (state->leaves)
         stack[depth++] = 1;
     while (depth) {
         const uint32_t k = stack[--depth];
         state->work++;
-        if (!state->boxes[k].count || box_is_outside(x, &state->boxes[k]))
+        const struct ear_box *box = &state->boxes[k];
+        if (!box->count || box_is_outside(x, box->low, box->high, slack))
             continue;
         if (k >= state->leaves) {
             if (leaf_blocks(state, k, x))
@@ -276,7 +288,9 @@ static int may_cut(struct ear_state *state, const struct ear_corner *corner)
     const int turn = turn_of(x[0], x[1], x[2]);
     if (state->level == BLOCKED_BY_NONE)
         return turn >= 0 || is_nearly_straight(state, x);
-    return turn > 0 ? !is_blocked(state, x) : turn == 0 && is_needless(x);
+    if (turn < 0)
+        return state->level == STRAIGHTENED && is_nearly_straight(state, x);
+    return turn > 0 ? !is_blocked(state, x) : is_needless(x);
 }
 
 static void cut(struct ear_state *state, uint32_t ear, uint32_t **triangle)
@@ -307,6 +321,18 @@ static void enqueue_all(struct ear_state *state)
             enqueue(state, i);
 }
 
+/* No ear is left: let more pass. Returns 0 if there is nothing more. */
+static int try_again(struct ear_state *state)
+{
+    if (state->level == BLOCKED_BY_NONE)
+        return 0;
+    state->level = state->level == STRAIGHTENED && state->is_straighter ? BLOCKED_NEARBY : state->level + 1;
+    state->is_straighter = 0;
+    state->work += state->left;
+    enqueue_all(state);
+    return 1;
+}
+
 static enum ear_result cut_all(struct ear_state *state, uint32_t *triangle)
 {
     enqueue_all(state);
@@ -314,17 +340,14 @@ static enum ear_result cut_all(struct ear_state *state, uint32_t *triangle)
     while (state->left > 3) {
         if (state->work > state->work_max)
             return EAR_TOO_LONG;
-        if (!state->queue_count) {
-            if (state->level == BLOCKED_BY_NONE)
-                return EAR_CROSSING;
-            state->level++;
-            enqueue_all(state);
-        }
+        if (!state->queue_count && !try_again(state))
+            return EAR_CROSSING;
         const uint32_t ear = dequeue(state);
         if (state->corners[ear].is_cut || !may_cut(state, &state->corners[ear]))
             continue;
         last = state->corners[ear].after;
         cut(state, ear, &triangle);
+        state->is_straighter = 1;
     }
     const struct ear_corner *corner = &state->corners[last];
     const uint32_t corners[3] = { corner->before, last, corner->after };

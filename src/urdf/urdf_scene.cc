@@ -266,7 +266,7 @@ void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
     if (scene_format(ending))
         refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
                     std::string(" is ") + scene_format(ending) +
-                        ": make it an STL (docs/urdf.md#meshes), or leave it out: --skip LINK");
+                        ": make it an STL (docs/urdf.md#collada-and-gltf), or leave it out: --skip LINK");
     MeshNotes mesh_notes = { link, shape, notes };
     dpt_compile_def scaled_def = mesh;
     scaled_def.note = hear_note;

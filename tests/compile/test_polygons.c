@@ -499,6 +499,8 @@ static void a_reported_file(void)
 
 /* ---- cost ---- */
 
+#define ROUNDING (4.0 * 0x1p-24 * 10.0) /* of coordinates up to 10 */
+
 /* Units of work a corner, of a shape that is turned so that no box fits it. */
 static double work_of(size_t shape, uint32_t n)
 {
@@ -511,7 +513,7 @@ static double work_of(size_t shape, uint32_t n)
         loop.at[i][1] = (double)(float)(0.6 * x + 0.8 * y);
     }
     uint32_t *triangles = malloc(3 * sizeof *triangles * loop.n);
-    const enum ear_result result = ear_cut(&cutter, (const double(*)[2])loop.at, loop.n, 0.0, triangles);
+    const enum ear_result result = ear_cut(&cutter, (const double(*)[2])loop.at, loop.n, ROUNDING, triangles);
     const double work = (double)cutter.work / loop.n;
     CHECK(result == EAR_DONE, "%s of %u: %d", shapes[shape].name, n, (int)result);
     free(triangles);

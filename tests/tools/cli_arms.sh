@@ -91,7 +91,7 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
         check "$found: $(cat stderr)" test $status -eq 0
     done
     sed 's/package[^"]*/base.dae/' plate.urdf >collada.urdf
-    refuses 'COLLADA in the scene' "'base.dae' is COLLADA: make it an STL (docs/urdf.md#meshes), or leave it out: --skip" \
+    refuses 'COLLADA in the scene' "'base.dae' is COLLADA: make it an STL (docs/urdf.md#collada-and-gltf), or leave it out: --skip" \
         compile collada.urdf -o out/x
     sed 's/package[^"]*/base.glb/' plate.urdf >gltf.urdf
     refuses 'glTF in the scene' "'base.glb' is glTF: make it an STL" compile gltf.urdf -o out/x

@@ -317,7 +317,7 @@ static void a_long_path_is_told(void)
 {
     static const char *const reasons[][2] = {
         { "plate.obj", ": it cannot be opened: No such file or directory" },
-        { "plate.dae", " is COLLADA: make it an STL (docs/urdf.md#meshes), or leave it out: --skip LINK" },
+        { "plate.dae", " is COLLADA: make it an STL (docs/urdf.md#collada-and-gltf), or leave it out: --skip LINK" },
         { "plate.obj%", ": '%' is not followed by two digits of a character" },
     };
     static const char *const links[] = { "base", "a_link_whose_name_is_longer_than_forty_bytes" };
