@@ -7,7 +7,7 @@
 #include "base/vec3.h"
 #include "dynpoint/compile.h"
 #include "dynpoint/mesh.h"
-#include "host/shape.h"
+#include "scene/shape.h"
 #include "lib/check.h"
 
 static struct shape shape; /* a liver of 0.28 m, as it is made */
