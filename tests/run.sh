@@ -142,7 +142,7 @@ else
     go "$jobs"
 
     # The emulated machines and the browser look at the clock, and wait for much of their time: not beside what waits.
-    reads="include src drivers tools/simulate tools/shape tests Makefile"
+    reads="include src drivers tools/simulate tools/shape tests docs/samples Makefile"
     run_clock "a real kernel" sh tests/vm/check.sh build
     run_clock "firmware" sh tests/firmware/run.sh build
     reads=

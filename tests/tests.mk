@@ -194,8 +194,14 @@ $(CONVEX_TESTS): $(B)/tests/%: $(B)/tests/convex/%.o $(call shared_of,tests/conv
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(CONVEX_LIBS) -o $@
 $(B)/tests/test_convex_faults: private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,ccdGJKPenetration ccdMPRPenetration ccdGJKIntersect ccdMPRIntersect)
 
-$(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)
+$(B)/tests/firmware/link $(B)/tests/firmware/pull: %: %.o $(B)/tests/firmware/emulator.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread $(DL) -o $@
+
+# A sample as it stands, on devices whose plug is pulled: the firmware and tests/vm.
+SAFE_DEVICE := $(B)/tests/safe_device
+$(SAFE_DEVICE): docs/samples/safe_device.c $(foreach lib,host drivers $(if $(CONVEX_PARTS),convex) compile,$(B)/libdynpoint_$(lib).a) $(B)/libdynpoint.a
+	@mkdir -p $(@D)
+	$(CC) -std=c99 -Iinclude $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(CONVEX_LIBS) $(JANSSON_LIBS) -o $@
 
 # On a real kernel with SocketCAN (tests/vm/check.sh runs every test_* there).
 VM_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/vm/test_*.c))
@@ -203,10 +209,10 @@ VM_PARTS := $(filter-out $(B)/tests/vm/test_%,$(call objects,tests/vm/*.c))
 $(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(SIMULATE) $(TEXT) $(COMPILE) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
-vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
+vm: all $(SAFE_DEVICE) $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
 	@sh tests/vm/check.sh $(B)
 
-firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
+firmware: all $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
 	@sh tests/firmware/run.sh $(B)
 
 test: ## a part of every kind of test in about a minute: no network, nothing installed
@@ -300,9 +306,9 @@ not_run = $(patsubst %,$(B)/tests/test_%,$(shell awk '/^[a-z]/ && $$$1 == "-" { 
 test-programs: all $(filter-out $(call not_run,2),$(TESTS))
 # What programs.txt, and the scripts, run of this configuration.
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
-check-programs: $(if $(filter scalar,$(CONFIG)),$(LIBS:%=%.a),all) $(filter-out $(call not_run,$(COLUMN)),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS))
+check-programs: $(if $(filter scalar,$(CONFIG)),$(LIBS:%=%.a),all) $(filter-out $(call not_run,$(COLUMN)),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS) $(SAFE_DEVICE))
 ifeq ($(CONFIG),release)
-check-programs: $(if $(shell command -v $(PYTHON)),$(B)/amalgamation/LICENSE) $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
+check-programs: $(if $(shell command -v $(PYTHON)),$(B)/amalgamation/LICENSE) $(B)/tests/firmware/link $(B)/tests/firmware/pull $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
 endif
 .PHONY: test-programs check-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \

@@ -160,7 +160,7 @@ typedef struct dpt_host_info {
     double account_min;          /* J: the least of its account */
     double depth_max;            /* m of the scene: the deepest */
     double force_max;            /* N at the hand: the strongest, before the guard */
-    /* What went wrong in ticks, how often, since when and what helps; "": nothing */
+    /* What went wrong in ticks, or stopped the device, how often, why and what helps; "": nothing */
     char trouble[640];
 } dpt_host_info;
 

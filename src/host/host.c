@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "dynpoint/host.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -442,6 +443,22 @@ dpt_result dpt_host_tick(dpt_host *host, const dpt_device_state *state, uint64_t
     return taken == DPT_OK ? result : taken;
 }
 
+/* Add to `text` that the device had stopped itself, and why. */
+static void add_stop(const struct host_counts *counts, uint64_t ticks, char *text, size_t room)
+{
+    size_t used = strlen(text);
+    const char *between = " (";
+    if (!counts->stopped)
+        return;
+    used += (size_t)snprintf(text + used, room - used,
+                             "%sthe device had stopped itself on %" PRIu64 " of %" PRIu64 " ticks", used ? "; " : "",
+                             counts->stopped, ticks);
+    for (uint32_t left = counts->reasons; left && used < room; left &= left - 1, between = ", ")
+        used += (size_t)snprintf(text + used, room - used, "%s%s", between, dpt_device_reason_name(left));
+    if (used < room)
+        snprintf(text + used, room - used, "%s, and gave no force", counts->reasons ? ")" : "");
+}
+
 dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
 {
     dpt_host_info info = { .size = sizeof info };
@@ -474,6 +491,7 @@ dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
         info.depth_max = counts->depth_max;
         info.force_max = counts->force_max;
         scene_trouble_text(&counts->trouble, &session->scene, info.trouble);
+        add_stop(counts, session->scene.ticks, info.trouble, sizeof info.trouble);
     }
     sized_write(out, sized_of(out), &info, sizeof info);
     return host ? DPT_OK : DPT_E_ARGUMENT;

@@ -174,6 +174,7 @@ dpt_result host_session_feel(struct host_session *session, const dpt_loop_sample
     const dpt_result result = scene_feel(scene, sample, wrench);
     scene_trouble_note(&session->counts.trouble, scene, sample, result);
     session->counts.clutched += (uint64_t)scene->is_clutched;
+    session->counts.stopped += sample->state->status == DPT_DEVICE_STATUS_FAULT;
     if (result == DPT_OK)
         count(session, sample, wrench);
     return result;

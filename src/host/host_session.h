@@ -30,6 +30,7 @@ struct host_puts {
 /* What the ticks count. Begin with zeros. */
 struct host_counts {
     uint64_t contacts, penetrating, unknown, clutched;
+    uint64_t stopped; /* ticks in which the device had stopped itself */
     uint32_t reasons; /* why the device was not ready, DPT_REASON_... */
     double depth_max; /* m */
     double force_max; /* N at the hand, before the guard */
