@@ -228,7 +228,7 @@ check-planted: all test-programs ## twelve faults are planted, one after the oth
 	@sh tests/planted.sh $(B)
 
 SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak proxy_side certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
-soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
+soak: all $(SOAKED:%=$(B)/tests/test_%) $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull $(B)/tests/vm/test_can_pull ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
 	@$(B)/tests/test_budget_worlds 8000
@@ -263,6 +263,8 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of 
 	@$(B)/tests/test_deform_push 8400
 	@$(if $(CONVEX_PARTS),$(B)/tests/test_convex,:)
 	@$(B)/tests/test_exactness soak
+	@PULLS=400 sh tests/firmware/run.sh $(B)
+	@sh tests/vm/run.sh -t 3600 '$(B)/tests/vm/test_can_pull 350' || [ $$? -eq 77 ]
 
 fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
 	@sh tests/fuzz/calls.sh

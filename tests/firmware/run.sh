@@ -5,6 +5,8 @@
 # to end, the driver against it.
 #
 #     sh tests/firmware/run.sh [BUILD_DIR]
+#
+# PULLS (16) is how often the plug is pulled while docs/samples/safe_device.c runs on it.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 build=${1:-build}
@@ -147,7 +149,8 @@ fi
 
 # safe_device on it, and the plug pulled.
 if [ -x "$build/tests/firmware/pull" ] && [ -x "$build/tests/safe_device" ]; then
-    timeout 300 "$build/tests/firmware/pull" "$build/tests/safe_device" "$out/mesh.dpa" "$out/meter" ${PULLS:-16} $run -chardev pty,id=p \
+    pulls=${PULLS:-16}
+    timeout $((60 + 10 * pulls)) "$build/tests/firmware/pull" "$build/tests/safe_device" "$out/mesh.dpa" "$out/meter" $pulls $run -chardev pty,id=p \
         -serial chardev:p -serial "file:$out/meter" -kernel "$out/pressed.elf" >"$out/pull.log" 2>&1
     cat "$out/pull.log" | sed '$d'
     set -- $(sed -n '$s/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 \2/p' "$out/pull.log") 0 1
