@@ -193,12 +193,14 @@ typedef struct dpt_compiled {
 /*
  * Compile a file, the bytes of a file, or arrays.
  *
- *   path      opened and read once, so it may be a pipe; NULL is DPT_E_ARGUMENT
+ *   path      opened and read once, so it may be a pipe; NULL is DPT_E_ARGUMENT. DPT_E_LIMIT: it has no length, as a
+ *             pipe, and more than 2^30 bytes come
  *   def       NULL: the defaults
  *   out       the compiled bytes; {NULL, 0} on error
  *   diag      may be NULL; on error says where and why; on success its code is DPT_OK
  *   vertices  vertex_count times x, y, z
- *   corners   triangle_count times three vertex numbers, from 0
+ *   corners   triangle_count times three vertex numbers, from 0. DPT_E_LIMIT, before anything is read: more than
+ *             2^31 - 1 vertices, or than 2^32 / 3 triangles
  */
 DPT_API dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag);
 DPT_API dpt_result dpt_compile_bytes(const void *source, size_t size, const dpt_compile_def *def, dpt_compiled *out,
@@ -251,7 +253,7 @@ DPT_API dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dp
 
 /*
  * The corners of a hull (hull.h) that holds many points, as those of a mesh: what becomes a tool's tip (tip.h).
- *   points    3 coordinates each, m, at most DPT_COORDINATE_MAX; 3 points or more
+ *   points    3 coordinates each, m, at most DPT_COORDINATE_MAX; 3 points to 2^31 - 1
  *   corners   room for `capacity` corners, 4..DPT_HULL_CORNERS_MAX; each is one of the points, or near one of them where
  *             they are thinner than 1e-3 of their size: such a set becomes flat
  *   radius    m, for the hull's def. 0: the corners are those of the points' hull, within 1e-8 of its size. Else points

@@ -368,9 +368,20 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
     return end_call(&call, result, diag);
 }
 
+/* What has no length may be endless: a pipe, /dev/zero. */
+#define STREAM_MAX ((size_t)1 << 30)
+
+static int has_length(FILE *file)
+{
+    const int has_one = fseek(file, 0, SEEK_END) == 0 && ftell(file) > 0;
+    rewind(file);
+    return has_one;
+}
+
 /* Read all of a file into a block that grows, because a pipe has no length. The caller frees *bytes. */
 static dpt_result read_all(const struct compile_context *context, FILE *file, unsigned char **bytes, size_t *size)
 {
+    const size_t max = has_length(file) ? SIZE_MAX : STREAM_MAX;
     size_t capacity = 0;
     for (;;) {
         if (*size == capacity) {
@@ -387,6 +398,9 @@ static dpt_result read_all(const struct compile_context *context, FILE *file, un
             return compile_fail(context, DPT_E_OPEN, nowhere, "it cannot be read: %s", strerror(errno));
         if (!read_count)
             return DPT_OK;
+        if (*size > max)
+            return compile_fail(context, DPT_E_LIMIT, nowhere,
+                                "it has no length, and more than %zu bytes come: what is larger must be a file", max);
     }
 }
 
@@ -411,6 +425,16 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
     return end_call(&call, result, diag);
 }
 
+/* A count that is none, as -1 of another language, would be read far beyond the arrays. */
+static dpt_result check_counts(const struct compile_context *context, size_t vertex_count, size_t triangle_count)
+{
+    if (vertex_count > COUNT_MAX)
+        return compile_fail(context, DPT_E_LIMIT, nowhere, "more than %zu vertices", COUNT_MAX);
+    if (triangle_count > TRIANGLES_MAX)
+        return compile_fail(context, DPT_E_LIMIT, nowhere, "more than %zu triangles", TRIANGLES_MAX);
+    return DPT_OK;
+}
+
 dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const uint32_t *corners,
                               size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag)
 {
@@ -418,6 +442,8 @@ dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const
     dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
         result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
+    if (result == DPT_OK)
+        result = check_counts(&call.context, vertex_count, triangle_count);
     for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)
         result = soup_add_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
                                  (source_location){ 0, 3 * sizeof *vertices * v });

@@ -11,6 +11,10 @@
 
 #include "dynpoint/compile.h"
 
+/* Of vertices, of triangles: half-edges are numbered in 32 bits. */
+#define COUNT_MAX     ((size_t)INT32_MAX)
+#define TRIANGLES_MAX ((size_t)UINT32_MAX / 3)
+
 #define CREASE_DEFAULT 1.0471975511965976 /* pi / 3 */
 
 struct compile_context {

@@ -13,9 +13,6 @@
 #include "compile/compile_context.h"
 #include "mesh/mesh_format.h"
 
-#define COUNT_MAX     ((size_t)INT32_MAX)
-#define TRIANGLES_MAX ((size_t)UINT32_MAX / 3) /* half-edges are numbered in 32 bits */
-
 void soup_init(soup *source, const struct compile_context *context)
 {
     memset(source, 0, sizeof *source);

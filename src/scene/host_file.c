@@ -12,6 +12,9 @@
 
 enum { FIRST_ROOM = 1 << 16, PIECE_BYTES = 4096 };
 
+/* What has no length may be endless: a pipe, /dev/zero. */
+static const size_t STREAM_MAX = (size_t)1 << 30;
+
 int host_file_ends_in(const char *path, const char *ending)
 {
     const size_t length = strlen(path), count = strlen(ending);
@@ -43,10 +46,17 @@ int host_file_is_of_device(const char *path, const char *device)
     return is_same;
 }
 
-/* All that comes, with room for a zero behind it. NULL: reading failed, and errno says why. */
+static int has_length(FILE *file)
+{
+    struct stat status;
+    return fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/* All that comes, with room for a zero behind it. NULL: reading failed, and errno says why; EFBIG: beyond STREAM_MAX. */
 static unsigned char *read_all(FILE *file, size_t *size)
 {
     unsigned char *bytes = NULL;
+    const size_t max = has_length(file) ? SIZE_MAX : STREAM_MAX;
     size_t room = 0, got = 1;
     *size = 0;
     while (got) {
@@ -65,6 +75,10 @@ static unsigned char *read_all(FILE *file, size_t *size)
         }
         got = fread(bytes + *size, 1, room - *size - 1, file);
         *size += got;
+        if (*size > max) {
+            errno = EFBIG;
+            break;
+        }
     }
     if (!got && !ferror(file))
         return bytes;
@@ -85,6 +99,9 @@ void *host_file_load(const char *path, size_t *size, dpt_host_error *error)
         fclose(file);
     if (bytes)
         bytes[*size] = 0;
+    else if (reason == EFBIG)
+        host_refuse(error, DPT_E_LIMIT, "%s: it has no length, and more than %zu bytes come: what is larger must be a file",
+                    path, STREAM_MAX);
     else
         host_refuse(error, reason == ENOMEM ? DPT_E_MEMORY : DPT_E_OPEN, "%s: cannot be read: %s", path,
                     strerror(reason));

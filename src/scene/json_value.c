@@ -20,7 +20,8 @@ struct json_value json_read(struct json_reader *reader, const char *text, size_t
     struct json_fault *fault = &reader->fault;
     json_error_t error;
     memset(reader, 0, sizeof *reader);
-    reader->tree = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
+    const size_t mark = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+    reader->tree = json_loadb(text + mark, size - mark, JSON_REJECT_DUPLICATES, &error);
     if (!reader->tree) {
         fault->line = error.line > 0 ? error.line : 1;
         fault->column = error.column > 0 ? error.column : 1;

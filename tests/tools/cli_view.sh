@@ -29,7 +29,8 @@ operands()
     refuses 'a mesh that is cut' 'cut.dpa: byte ' view cut.dpa -o out/x.html
     refuses 'a mesh with a mesh' '--mesh and --tool are of a recording' view box.dpa --mesh box.ply -o out/x.html
     refuses 'a mesh with a tool' '--mesh and --tool are of a recording' view box.ply --tool box.dpa -o out/x.html
-    refuses 'a page of a live scene' 'unknown option -o' view tori -o out/x.html
+    refuses 'a page of a live scene' 'dynpoint view: -o: a scene is felt' view tori -o out/x.html
+    refuses 'an option that no scene has' 'dynpoint view: unknown option --frob' view tori --frob
     refuses 'no time' '--for must be positive' view box.dpa --for 0
     refuses 'no port' '--port must be 0 to 65535' view box.dpa --port 65536
     for option in --open '--port 8000' '--address 0.0.0.0'; do

@@ -153,7 +153,7 @@ static int open_trace(const struct chart_request *request, const struct scene *s
     const struct measure_hand hand = { .seed = request->seed,
                                        .ticks = (size_t)request->ticks,
                                        .length = request->stylus };
-    return request->trace ? measure_trace_read(trace, "chart", request->trace, TICKS_MIN)
+    return request->trace ? measure_trace_read(trace, scene, request->trace, TICKS_MIN)
                           : measure_trace_make(trace, scene, &hand);
 }
 

@@ -375,6 +375,9 @@ static int check_settings(struct compile_settings *settings)
         return 2;
     if ((mesh_file_writer(out) || is_urdf_name(out)) && access(out, F_OK) == 0)
         return complain("compile", "%s: it is there, and a source by its name: what is compiled ends in .dpa", out);
+    if (settings->array ? output_check_name("compile", out, ".c .h", "source text in C")
+                        : output_check_name("compile", out, ".dpa .obj .stl .ply .off", "a compiled mesh or arm"))
+        return 2;
     if (!settings->threads)
         return complain("compile", "-j must be 1 or more");
     if (unit && !isnan(settings->scale))

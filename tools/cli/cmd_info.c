@@ -11,13 +11,14 @@
 #include "shape/mesh_size.h"
 
 static const char help[] =
-    "usage: dynpoint info FILE.dpa [--json] [--verify] [--thickness]\n"
+    "usage: dynpoint info FILE.dpa [--json] [--verify] [--sections] [--thickness]\n"
     "\n"
-    "Shows what a compiled mesh holds, what was wrong with its source, and its sections; or the joints,\n"
-    "links, tool and bodies of an arm.\n"
+    "Shows what a compiled mesh holds, and what was wrong with its source; or the joints, links, tool\n"
+    "and bodies of an arm.\n"
     "\n"
-    "  --json       one JSON object on standard output\n"
+    "  --json       one JSON object on standard output, a mesh's sections too\n"
     "  --verify     check every byte; exit status 1, with the place, when the file is damaged\n"
+    "  --sections   of a mesh: where each section of the file lies, and its checksum\n"
     "  --thickness  of a mesh: how thick its walls are, by a ray inward from each triangle; takes\n"
     "               a second for 50,000 triangles\n";
 
@@ -115,7 +116,7 @@ static void print_thickness(const struct mesh_thickness *thickness)
 }
 
 static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_info *info,
-                       const struct mesh_thickness *thickness)
+                       const struct mesh_thickness *thickness, int has_sections)
 {
     printf("%s: dynpoint mesh, format %" PRIu32 ", %" PRIu64 " bytes, %.1f a triangle\n", path, info->format_version,
            info->bytes, (double)info->bytes / info->triangles);
@@ -148,7 +149,7 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
     if (info->source_bytes)
         printf("  %-24s %10" PRIu64 " bytes, hash %016" PRIx64 "\n", "source", info->source_bytes, info->source_hash);
     dpt_mesh_section section = { .size = sizeof section };
-    for (uint32_t i = 0; dpt_mesh_get_section(mesh, i, &section) == DPT_OK; i++)
+    for (uint32_t i = 0; has_sections && dpt_mesh_get_section(mesh, i, &section) == DPT_OK; i++)
         printf("  section %-16s %10" PRIu64 " bytes at %-10" PRIu64 " crc %08" PRIx32 "\n", section.name, section.bytes,
                section.offset, section.crc32);
 }
@@ -174,10 +175,11 @@ static int verify(const char *path)
 int command_info(int argc, char **argv)
 {
     const char *path;
-    int json = 0, check = 0, is_measured = 0;
+    int json = 0, check = 0, is_measured = 0, has_sections = 0;
     size_t operands;
     const struct option_def options[] = { { .name = "--json", .flag = &json },
                                           { .name = "--verify", .flag = &check },
+                                          { .name = "--sections", .flag = &has_sections },
                                           { .name = "--thickness", .flag = &is_measured } };
     int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
                                &path, 1, &operands);
@@ -218,7 +220,7 @@ int command_info(int argc, char **argv)
         if (json)
             print_json(mesh, &info, is_measured ? &thickness : NULL);
         else
-            print_text(path, mesh, &info, is_measured ? &thickness : NULL);
+            print_text(path, mesh, &info, is_measured ? &thickness : NULL, has_sections);
     }
     free(bytes);
     return arm || mesh ? 0 : check ? 1 : 2;

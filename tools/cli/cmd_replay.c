@@ -22,6 +22,7 @@
 #include "run/replay_report.h"
 #include "scene/setting_words.h"
 #include "shape/mesh_size.h"
+#include "shape/trace_unit.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"
@@ -321,8 +322,11 @@ static int parse_settings(int argc, char **argv, struct replay_settings *setting
         return complain("replay", "FILE.dpa, TRACE.csv and -o OUT.csv are needed (see --help)");
     settings->mesh = operand[0];
     settings->trace = operand[1];
-    return output_check("replay", settings->out, (const char *const[]){ settings->mesh, settings->trace, NULL }) ? 2
-                                                                                                                 : -1;
+    const char *const inputs[] = { settings->mesh, settings->trace, NULL };
+    return output_check("replay", settings->out, inputs) ||
+                   output_check_name("replay", settings->out, ".csv .txt", "a table of comma-separated values")
+               ? 2
+               : -1;
 }
 
 /* Returns 0, or 2 after a message. */
@@ -456,8 +460,11 @@ int command_replay(int argc, char **argv)
     if (!mesh)
         return 2;
     status = read_trace(&trace, settings.trace);
-    if (status == 0)
+    if (status == 0) {
+        const struct trace_ball ball = trace_ball_of(mesh, NULL);
+        trace_note_unit(settings.trace, &trace, &ball, 1);
         status = run(&settings, mesh, &trace);
+    }
     csv_table_free(&trace);
     free(bytes);
     return status;

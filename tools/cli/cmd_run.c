@@ -205,6 +205,10 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped, s->slewed, s->stops);
     printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64 " commands missed\n",
            counts->samples, counts->lost, counts->damaged, counts->missed);
+    if (session->host.scene.device.flags & DPT_DEVICE_FLAG_DETERMINISTIC) {
+        puts("  by the device's own time, as fast as this machine can: no tick has a deadline");
+        return;
+    }
     printf("  %-28s %9s %9s %9s\n", "microseconds", "median", "99 %", "worst");
     print_times("late", s->late, s->late_max);
     print_times("a tick's work", s->took, s->took_max);
@@ -282,7 +286,7 @@ static int define_loop(struct session *session, const struct run_settings *setti
         return 2;
     def->ticks = run_is_traced(settings) ? session->trace.capacity : settings->ticks;
     *seconds = settings->seconds;
-    if (settings->record && !def->ticks && is_by_own_time(settings, info)) {
+    if (!def->ticks && is_by_own_time(settings, info)) {
         def->ticks = (uint64_t)ceil(settings->seconds * info->rate);
         *seconds = HUGE_VAL;
     }

@@ -126,6 +126,7 @@ struct measured {
     struct scene_bodies bodies; /* the scene's, with what the setting changes; memory in the world is their own */
     struct measure_tool tool;
     struct measure_brute brute;
+    int by_processor; /* as in measure_effort */
 };
 
 static int has_soft(const struct scene_bodies *bodies)
@@ -197,9 +198,23 @@ static void measured_close(struct measured *measured)
     scene_bodies_leave(&measured->bodies);
 }
 
-static uint32_t ns_since(uint64_t begin)
+/* By the clock, and of the processor where that is asked for. */
+struct moment {
+    uint64_t clock, thread;
+};
+
+static struct moment moment_now(const struct measured *measured)
 {
-    const uint64_t ns = clock_now() - begin;
+    const uint64_t thread = measured->by_processor ? clock_thread() : 0;
+    return (struct moment){ .clock = clock_now(), .thread = thread };
+}
+
+/* ns: of a tick that nothing interrupts the clock's time is the exact one, as asking for the processor's takes some itself. */
+static uint32_t ns_since(const struct measured *measured, struct moment begin)
+{
+    const uint64_t clock = clock_now() - begin.clock;
+    const uint64_t thread = measured->by_processor ? clock_thread() - begin.thread : clock;
+    const uint64_t ns = thread < clock ? thread : clock;
     return ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
 }
 
@@ -251,19 +266,19 @@ static dpt_result step(struct measured *measured, struct measure_run *run, size_
     const double dt = run->setting.dt;
     struct measure_tick *tick = &run->tick[row];
     dpt_step told = { .size = sizeof told };
-    uint64_t begin = clock_now();
+    struct moment begin = moment_now(measured);
     scene_bodies_begin_tick(&measured->bodies, row);
     DPT_TRY(scene_stage_step_world(&measured->stage, dt, &told));
-    const uint32_t ns = ns_since(begin);
+    const uint32_t ns = ns_since(measured, begin);
     if (is_first) {
         read_answers(measured, &told, tick);
         DPT_TRY(check(measured, run, row));
     }
-    begin = clock_now();
+    begin = moment_now(measured);
     DPT_TRY(scene_stage_step_soft(&measured->stage, dt));
     for (uint32_t i = 0; measured->bodies.is_held && i < measured->bodies.count; i++)
         DPT_TRY(measured->bodies.body[i].held_why);
-    const uint32_t soft_ns = measured->bodies.steps || measured->stage.physics ? ns_since(begin) : 0;
+    const uint32_t soft_ns = measured->bodies.steps || measured->stage.physics ? ns_since(measured, begin) : 0;
     if (is_first)
         read_force(measured, tick);
     tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
@@ -328,17 +343,23 @@ int measure_run(struct measure_run *run, const struct scene *scene, const struct
         run->check.ns = calloc(trace->rows / run->check.every + 1, sizeof *run->check.ns);
     const int has_room = measured && run->tick && (run->check.ns || !run->check.every);
     int status = has_room ? 0 : complain(scene->command, "memory ran out");
+    uint64_t taken = 0, used = 0; /* by the clock, and of the processor */
     for (uint32_t pass = 0; status == 0 && pass < effort->passes; pass++) {
         status = measured_open(measured, run, scene);
         if (status == 0) {
+            const uint64_t begin = clock_now(), begin_thread = clock_thread();
             note_memory(measured, run);
+            measured->by_processor = effort->by_processor;
             run_pass(measured, run, trace, effort, pass);
+            taken += clock_now() - begin;
+            used += clock_thread() - begin_thread;
             dpt_world_get_info(measured->stage.world, &run->usage);
         }
         measured_close(measured);
         if (run->failure != DPT_OK)
             break;
     }
+    run->busy = used ? fmax(1.0, (double)taken / (double)used) : 1.0;
     free(measured);
     return status;
 }

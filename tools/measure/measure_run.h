@@ -62,12 +62,14 @@ struct measure_run {
     dpt_world_info usage; /* for capacities */
     uint32_t kernel;      /* DPT_KERNEL_... */
     double diagonal;      /* of the largest mesh's box, m */
+    double busy;          /* how many times as long all passes took by the clock as of the processor's time */
     struct measure_check check;
 };
 
 /* How much to spend on a run. */
 struct measure_effort {
     uint32_t passes;   /* times are the least of so many; at least 1 */
+    int by_processor;  /* 1: the processor's time counts where it is less than the clock's: other programs do not */
     size_t every;      /* check one tick in this many by brute force; 0: none */
     uint32_t searches; /* brute force's times are the least of so many; 0: one */
     /* Progress on a terminal, from `begin` to `end` of all, 0..1, under this name; NULL: none. */

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "cli/command_options.h"
 #include "dynpoint/snapshot.h"
@@ -139,22 +140,30 @@ static int film(struct filming *filming, struct recording_file *recording, char 
     return 0;
 }
 
-/* The path in a recording is another person's: it is told, and not opened. */
+/* A file, and none that could keep its reader waiting. */
+static int is_there(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/* As replay does, the scene's file is taken where it was; its bytes are compared with the recording's. */
 static int check_mesh(const struct view_recording_files *files, const struct scene_text *text)
 {
-    if (files->mesh || scene_listed(text->scene) || text->embedded)
+    if (files->mesh || scene_listed(text->scene) || text->embedded || is_there(text->scene))
         return 0;
     return complain("view",
-                    "%s: of which scene it is must be said, by --mesh FILE: it was '%s', of %" PRIu64
+                    "%s: its scene is not where it was, so --mesh FILE is needed: it was '%s', of %" PRIu64
                     " bytes and the CRC-32 %08" PRIx64,
                     files->recording, text->scene, text->scene_bytes, text->scene_crc32);
 }
 
 static int check_tool(const struct view_recording_files *files, const struct scene_text *text)
 {
-    if (files->tool || !text->tool[0] || text->embedded)
+    if (files->tool || !text->tool[0] || text->embedded || is_there(text->tool))
         return 0;
-    return complain("view", "%s: --tool ARM.dpa is needed: it was '%s'", files->recording, text->tool);
+    return complain("view", "%s: its tool is not where it was, so --tool ARM.dpa is needed: it was '%s'", files->recording,
+                    text->tool);
 }
 
 /* Returns 0, or 2 after a message. */
