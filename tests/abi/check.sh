@@ -330,6 +330,8 @@ done
 if command -v python3 >/dev/null 2>&1; then
     python3 -B docs/samples/own_physics.py "$build" >"$scratch/felt" && [ "$(wc -l <"$scratch/felt")" -eq 31 ]
     verdict $? "docs/samples/own_physics.py: its needle feels a heart beat, and loads and force cancel out"
+    ! python3 -B docs/samples/own_physics.py 2>"$scratch/says" && [ "$(wc -l <"$scratch/says")" -eq 1 ] && grep -q '^usage: ' "$scratch/says"
+    verdict $? "docs/samples/own_physics.py: without its argument it says what that is"
 else
     skip "physics of its own in Python: no python3"
 fi

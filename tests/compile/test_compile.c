@@ -503,6 +503,17 @@ static void wrong_arguments_are_refused(void)
         dpt_compile_def def = { .size = sizeof def, .format = format };
         CHECK(dpt_compile_bytes("v 0 0 0\n", 8, &def, &out, NULL) == DPT_E_ARGUMENT, "%u", format);
     }
+    /* -1 of another language, and what is near it: nothing is read, not the arrays' ends either. */
+    const size_t counts[] = { UINT32_MAX, UINT32_MAX - 1, (size_t)INT32_MAX + 1, SIZE_MAX };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        dpt_diag diag = { .size = sizeof diag };
+        CHECK(dpt_compile_arrays(cube, counts[i], cube_corners, 12, NULL, &out, &diag) == DPT_E_LIMIT &&
+                  strstr(diag.text, "vertices"),
+              "%zu vertices: %s", counts[i], diag.text);
+        CHECK(dpt_compile_arrays(cube, 8, cube_corners, counts[i], NULL, &out, &diag) == DPT_E_LIMIT &&
+                  strstr(diag.text, "triangles"),
+              "%zu triangles: %s", counts[i], diag.text);
+    }
     dpt_compiled_free(NULL);
     dpt_compiled_free(&out);
     /* Of a def that is too short nothing beyond its end is read: the sanitizer looks on. */
