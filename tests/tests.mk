@@ -215,7 +215,7 @@ vm: all $(SAFE_DEVICE) $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $
 firmware: all $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
 	@sh tests/firmware/run.sh $(B)
 
-test: ## a part of every kind of test in about a minute: no network, nothing installed
+test: ## a part of every kind of test in about a minute, after some minutes of building: no network, nothing installed
 	@sh tests/run.sh test
 
 check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail

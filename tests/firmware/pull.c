@@ -211,30 +211,34 @@ static void pull(int kind)
 /* How the host ends after a pull, and what it says then. */
 static void check_end(int kind, int was_running)
 {
-    if (kind == STOPPED) {
-        /* It finds a fault that stays, and no force comes back. */
+    if (kind == STOPPED)
         kill(host.process, SIGCONT);
-        relay_for(0.1, has_ended);
-        CHECK(!was_running || !is_pushing(), "the force comes back");
-    }
     if (!kinds[kind].ends || !was_running) {
-        relay_for(was_running ? 0.0 : 1.0, has_ended);
+        /* It finds a fault that stays, on a busy machine a while later, and no force comes back. */
+        relay_for(1.0, has_ended);
+        CHECK(!was_running || !is_pushing(), "the force comes back");
         kill(host.process, SIGINT);
     }
     const int ended = relay_for(10.0, has_ended);
     child_end(&host, 1.0);
     CHECK(ended, "%s: it does not end", kinds[kind].name);
-    CHECK(!was_running || (host.status == kinds[kind].status && strstr(host.text, kinds[kind].says)),
+    /* On a busy machine samples may be late besides. */
+    const int is_lost = host.status == 2 && strstr(host.text, "the device is gone");
+    CHECK(!was_running || (host.status == kinds[kind].status && strstr(host.text, kinds[kind].says)) ||
+              (!kinds[kind].ends && is_lost),
           "%s: status %d, '%s'", kinds[kind].name, host.status, host.text);
 }
 
-/* safe_device begins, and runs for a random time, and until it pushes if it must. 0: the machine is so busy that the firmware has stopped itself before. */
+/*
+ * safe_device begins, and runs for a random time, and until it pushes if it must. 0: the machine is so busy that the firmware
+ * has stopped itself before, or samples were late.
+ */
 static int run_host(int must_push)
 {
     char device[128];
     char *const words[] = { (char *)(uintptr_t)safe_device, (char *)(uintptr_t)scene, device, NULL };
     plug_in();
-    snprintf(device, sizeof device, "serial:%s?answer=5&silent=0.5&mass=0.1&damping=5&delay=0.008", ours);
+    snprintf(device, sizeof device, "serial:%s?answer=5&silent=1&mass=0.1&damping=5&delay=0.008", ours);
     memset(&line, 0, sizeof line);
     CHECK(child_start(&host, words), "%s does not start", safe_device);
     relay_for(random_in(&seed, 0.0, 1.6), has_ended);
@@ -244,7 +248,8 @@ static int run_host(int must_push)
         return 1;
     kill(host.process, SIGINT);
     child_end(&host, 5.0);
-    CHECK(strstr(host.text, "watchdog"), "it ends before the plug is pulled: %d, %s", host.status, host.text);
+    CHECK(host.status == 0 || (host.status == 2 && host.text[0]), "it ends before the plug is pulled: %d, %s",
+          host.status, host.text);
     close(out.from);
     return 0;
 }

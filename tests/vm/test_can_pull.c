@@ -197,20 +197,21 @@ static void bring_back(int kind)
 /* How the host ends after a pull, and what it says then. */
 static void check_end(int kind, int was_running)
 {
-    if (kind == STOPPED) {
-        /* It finds a fault that stays, and no force comes back. */
+    if (kind == STOPPED)
         kill(host.process, SIGCONT);
-        wait_for(0.3, has_ended);
-        CHECK(!was_running || !is_pushing(), "the force comes back");
-    }
     if (kind == STOPPED || !was_running) {
-        wait_for(was_running ? 0.0 : 2.0, has_ended);
+        /* It finds a fault that stays, on a busy machine a while later, and no force comes back. */
+        wait_for(was_running ? 1.0 : 2.0, has_ended);
+        CHECK(!was_running || !is_pushing(), "the force comes back");
         kill(host.process, SIGINT);
     }
     const int ended = wait_for(20.0, has_ended);
     child_end(&host, 5.0);
     CHECK(ended, "%s: it does not end", kinds[kind].name);
-    CHECK(!was_running || (host.status == kinds[kind].status && strstr(host.text, kinds[kind].says)),
+    /* On a busy machine samples may be late besides. */
+    const int is_lost = host.status == 2 && strstr(host.text, "the device is gone");
+    CHECK(!was_running || (host.status == kinds[kind].status && strstr(host.text, kinds[kind].says)) ||
+              (kind == STOPPED && is_lost),
           "%s: status %d, '%s'", kinds[kind].name, host.status, host.text);
 }
 
@@ -234,7 +235,8 @@ static int run_host(int must_push)
     kill(host.process, SIGINT);
     child_end(&host, 20.0);
     power_off();
-    CHECK(host.status == 2 && host.text[0], "it ends before the plug is pulled: %d, %s", host.status, host.text);
+    CHECK(host.status == 0 || (host.status == 2 && host.text[0]), "it ends before the plug is pulled: %d, %s",
+          host.status, host.text);
     return 0;
 }
 
