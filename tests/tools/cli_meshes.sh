@@ -314,8 +314,11 @@ units()
 endless_inputs()
 {
     case $build in */build/*) return ;; esac
+    printf '#!/bin/sh\nulimit -v 8000000\nexec timeout 60 %s "$@"\n' "'$program'" >limited && chmod 755 limited
+    whole=$program program=$PWD/limited
     refuses 'compile: endless' 'more than 1073741824 bytes come' compile /dev/zero -o out/x.dpa
     refuses 'info: endless' 'more than 1073741824 bytes come' info /dev/zero
+    program=$whole
 }
 
 prepare

@@ -69,9 +69,13 @@ usage_errors()
                 make trace --mesh box.dpa -o out/x --ticks 3 --$name $value
         done
     done
+    # A run that is not refused would not end.
+    printf '#!/bin/sh\nexec timeout 20 %s "$@"\n' "'$program'" >limited && chmod 755 limited
+    whole=$program program=$PWD/limited
     refuses 'run --ticks 0' '--ticks must be positive' run box.dpa --device sim --ticks 0
     refuses 'run --for 0' '--for must be positive' run box.dpa --device sim --for 0
     refuses 'view --ticks 0' '--ticks must be positive' view tori --ticks 0
+    program=$whole
     refuses 'replay --plan --ticks 0' '--ticks must be 1 to' replay --plan none.json --ticks 0
     refuses 'settings without a colon' "settings follow a colon, as in sim:?hand=press" \
         run box.dpa --device 'sim?hand=press' --ticks 5
