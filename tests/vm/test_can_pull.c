@@ -304,8 +304,8 @@ int main(int argc, char **argv)
     snprintf(safe_device, sizeof safe_device, "%.*s/safe_device", size, argv[0]);
     snprintf(scene_path, sizeof scene_path, "/tmp/sheet.%d.dpa", (int)getpid());
     snprintf(command, sizeof command,
-             "%.*s/../dynpoint make membrane 512 -o %s.ply && %.*s/../dynpoint compile %s.ply -o %s", size, argv[0],
-             scene_path, size, argv[0], scene_path, scene_path);
+             "{ %.*s/../dynpoint make membrane 512 -o %s.ply && %.*s/../dynpoint compile %s.ply -o %s; } >%s.says 2>&1",
+             size, argv[0], scene_path, size, argv[0], scene_path, scene_path, scene_path);
     arm_file(arm_path, elbow, 3, elbow_tool);
     snprintf(where, sizeof where, "%s?arm=%s&gear=8,-8,10&weight=0&watchdog=%d&silent=0.5&answer=4&rate=%d", bus_name,
              arm_path, WATCHDOG, RATE);
