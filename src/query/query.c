@@ -146,7 +146,7 @@ dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const 
 /* ---- hulls and ranges ---- */
 
 static dpt_result place_mesh(const dpt_mesh *mesh, const dpt_pose *pose, struct surface *surface, struct kernel *kernel,
-                          struct frame *body)
+                             struct frame *body)
 {
     uint32_t chosen;
     if (!dpti_kernel_get(DPT_KERNEL_ALWAYS, kernel, &chosen))

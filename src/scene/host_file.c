@@ -100,8 +100,9 @@ void *host_file_load(const char *path, size_t *size, dpt_host_error *error)
     if (bytes)
         bytes[*size] = 0;
     else if (reason == EFBIG)
-        host_refuse(error, DPT_E_LIMIT, "%s: it has no length, and more than %zu bytes come: what is larger must be a file",
-                    path, STREAM_MAX);
+        host_refuse(error, DPT_E_LIMIT,
+                    "%s: it has no length, and more than %zu bytes come: what is larger must be a file", path,
+                    STREAM_MAX);
     else
         host_refuse(error, reason == ENOMEM ? DPT_E_MEMORY : DPT_E_OPEN, "%s: cannot be read: %s", path,
                     strerror(reason));

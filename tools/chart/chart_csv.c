@@ -234,7 +234,8 @@ void chart_table_print(FILE *file, const struct chart_head *head, const struct c
         }
         fprintf(file, " %8.2f %8.2f %8.1f %8zu", 1e-3 * judged->ns.median, 1e-3 * judged->ns.p99, 1e-3 * judged->ns.max,
                 judged->wrong);
-        print_error(file, !isnan(judged->distance_error), 1e3 * judged->distance_error, 1e3 * rows->truth.check.tolerance);
+        print_error(file, !isnan(judged->distance_error), 1e3 * judged->distance_error,
+                    1e3 * rows->truth.check.tolerance);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->missed);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->invented);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->unknown);

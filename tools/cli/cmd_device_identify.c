@@ -202,8 +202,10 @@ static const char *cure_of_lateness(const dpt_device_info *info)
 static int judge(const dpt_identify_result *result, const dpt_device_info *info)
 {
     if (result->end == DPT_IDENTIFY_END_SAMPLES)
-        complain("device", "ended before its time, as more than 4 in a row of %" PRIu64 " samples or commands were lost or "
-                           "late; %s", result->samples, cure_of_lateness(info));
+        complain("device",
+                 "ended before its time, as more than 4 in a row of %" PRIu64 " samples or commands were lost or "
+                 "late; %s",
+                 result->samples, cure_of_lateness(info));
     else if (result->end != DPT_IDENTIFY_END_COMPLETE)
         complain("device", "ended before its time: %s", dpt_identify_end_text(result->end));
     else if (result->flags & DPT_IDENTIFY_FLAG_STUCK)

@@ -179,8 +179,9 @@ static int run_scene(int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         if (!strcmp(argv[i], "-o")) {
             free(words);
-            return complain("view", "-o: a scene is felt, and has no page of its own: dynpoint run %s ... --record F.dpr, then "
-                                    "dynpoint view F.dpr -o PAGE.html",
+            return complain("view",
+                            "-o: a scene is felt, and has no page of its own: dynpoint run %s ... --record F.dpr, then "
+                            "dynpoint view F.dpr -o PAGE.html",
                             argv[1]);
         }
         has_device |= !strcmp(argv[i], device);

@@ -136,14 +136,15 @@ static int is_among(const char *ending, const char *endings)
 
 int output_check_name(const char *command, const char *path, const char *endings, const char *what)
 {
-    static const char formats[] = ".csv .tsv .txt .json .dpa .dpr .svg .png .jpg .jpeg .gif .pdf .html .htm .obj .stl .ply "
-                                  ".off .c .h .xml .zip .gz";
+    static const char formats[] =
+        ".csv .tsv .txt .json .dpa .dpr .svg .png .jpg .jpeg .gif .pdf .html .htm .obj .stl .ply "
+        ".off .c .h .xml .zip .gz";
     const char *slash = strrchr(path, '/');
     const char *ending = strrchr(slash ? slash : path, '.');
     if (!ending || !is_among(ending, formats) || is_among(ending, endings))
         return 0;
-    return complain(command, "%s: what is written is %s, and its name says another format: let it end in %.*s", path, what,
-                    (int)strcspn(endings, " "), endings);
+    return complain(command, "%s: what is written is %s, and its name says another format: let it end in %.*s", path,
+                    what, (int)strcspn(endings, " "), endings);
 }
 
 int output_open(struct output *output, const char *command, const char *path)

@@ -15,6 +15,7 @@
 #include "scene/tool_spread.h"
 #include "shape/trace_unit.h"
 #include "shape/trace_hand.h"
+#include "shape/trace_unit.h"
 
 /* Of all tools together: more than any motion needs that a hand can make. */
 enum { CONTACTS_OF_RICHEST = 1024 };

@@ -86,7 +86,8 @@ struct plan_text plan_broken_text(const struct plan_limits *limits, const struct
         break;
     case PLAN_TIME:
         snprintf(text, room, "ticks take %.3g ms at 99.9 %%, at most %.3g ms%s", 1e3 * figures->time_p999,
-                 1e3 * limits->time, plan_was_busy(figures) ? ", and this machine was busy: try again with less beside it" : "");
+                 1e3 * limits->time,
+                 plan_was_busy(figures) ? ", and this machine was busy: try again with less beside it" : "");
         break;
     default:
         snprintf(text, room, "nothing is broken");

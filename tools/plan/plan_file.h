@@ -80,7 +80,7 @@ struct plan_figures {
     uint32_t contacts, strip, work; /* the most in one tick */
     double work_p999, time_median, time_p999; /* units; s of a tick, with what gives way */
     uint64_t work_total, bytes;               /* bytes of the world, and of what gives way */
-    double busy; /* measure_run.busy where it was measured; it is in no file */
+    double busy;                              /* measure_run.busy where it was measured; it is in no file */
 };
 
 /* Other programs took so much of the processor that what is left of them may show in the times. */

@@ -27,10 +27,11 @@ void plan_report_figures(FILE *file, const char *what, const struct plan_figures
 void plan_report_busy(FILE *file, const struct plan_figures *figures)
 {
     if (plan_was_busy(figures))
-        fprintf(file,
-                "  this machine was busy: all took %.2f times as long by the clock as of the processor's time, by which "
-                "ticks are judged\n",
-                figures->busy);
+        fprintf(
+            file,
+            "  this machine was busy: all took %.2f times as long by the clock as of the processor's time, by which "
+            "ticks are judged\n",
+            figures->busy);
 }
 
 static void report_asked(FILE *file, const struct plan *plan, const struct plan_figures *richest)

@@ -127,7 +127,8 @@ static void print_json(const struct replay_plan_options *options, const struct v
            ",\"distance_error\":%.17g,\"force_error\":%.17g,\"felt\":%" PRIu64 ",\"near_folds\":%" PRIu64
            ",\"unknown\":%" PRIu64 ",\"contacts\":%" PRIu32 ",\"strip\":%" PRIu32 ",\"work\":%" PRIu32
            ",\"work_p999\":%.17g,\"work_total\":%" PRIu64
-           ",\"time_median\":%.17g,\"time_p999\":%.17g,\"busy\":%.17g,\"bytes\":%" PRIu64 ",\"speed\":%.17g,\"speed_limit\":%.17g",
+           ",\"time_median\":%.17g,\"time_p999\":%.17g,\"busy\":%.17g,\"bytes\":%" PRIu64
+           ",\"speed\":%.17g,\"speed_limit\":%.17g",
            figures->ticks, figures->failed, figures->distance_error, figures->force_error, figures->felt,
            figures->near_folds, figures->unknown, figures->contacts, figures->strip, figures->work, figures->work_p999,
            figures->work_total, figures->time_median, figures->time_p999, figures->busy, figures->bytes, verdict->speed,

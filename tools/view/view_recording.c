@@ -162,8 +162,8 @@ static int check_tool(const struct view_recording_files *files, const struct sce
 {
     if (files->tool || !text->tool[0] || text->embedded || is_there(text->tool))
         return 0;
-    return complain("view", "%s: its tool is not where it was, so --tool ARM.dpa is needed: it was '%s'", files->recording,
-                    text->tool);
+    return complain("view", "%s: its tool is not where it was, so --tool ARM.dpa is needed: it was '%s'",
+                    files->recording, text->tool);
 }
 
 /* Returns 0, or 2 after a message. */
