@@ -13,7 +13,6 @@
 #include "cli/command_options.h"
 #include "dynpoint/kernel.h"
 #include "scene/tool_spread.h"
-#include "shape/trace_unit.h"
 #include "shape/trace_hand.h"
 #include "shape/trace_unit.h"
 
