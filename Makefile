@@ -91,7 +91,7 @@ CONVEX_CFLAGS := $(shell pkg-config --cflags ccd)
 CONVEX_LIBS := $(shell pkg-config --libs ccd)
 endif
 # Scene files and plans: where the program can be linked to jansson. JANSSON=no leaves them out.
-JSON_SOURCES := $(wildcard src/host/json_*.c src/host/scene_file*.c tools/plan/plan_file_parse.c)
+JSON_SOURCES := $(wildcard src/scene/json_*.c src/scene/scene_file*.c tools/plan/plan_file_parse.c)
 JANSSON_HERE = $(shell printf '$(HASH)include <jansson.h>\nint main(void) { return !json_null(); }\n' | \
   $(CC) $$(pkg-config --cflags jansson 2>&1) -x c - $$(pkg-config --libs jansson 2>&1) -o /dev/null >/dev/null 2>&1 && echo yes || echo no)
 JANSSON := $(or $(JANSSON),$(JANSSON_HERE))
@@ -113,7 +113,7 @@ endif
 NODE ?= node
 VIEW_PAGE_HERE = $(if $(and $(wildcard tools/view/page/make_page.js),$(wildcard build/view/node_modules/three/package.json),$(shell command -v $(NODE))),yes,no)
 VIEW_PAGE := $(or $(VIEW_PAGE),$(VIEW_PAGE_HERE))
-HOST := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,src/host/*.c)) $(filter $(B)/src/host/%,$(SCENE_FILE))
+HOST := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,src/scene/*.c src/host/*.c)) $(filter $(B)/src/scene/%,$(SCENE_FILE))
 # The rooms of the program, but for what is built where a library is found.
 ROOMS := cli shape record run view plot chart measure plan lab
 TOOLS := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,$(ROOMS:%=tools/%/*.c))) $(filter $(B)/tools/%,$(SCENE_FILE)) $(VIEW_SERVER)
@@ -152,14 +152,14 @@ $(B)/src/kernel/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 $(B)/src/exchange/latest.o: CONFIG_CFLAGS += $(shell $(CC) -mno-outline-atomics -Werror -E -x c /dev/null >/dev/null 2>&1 && echo -mno-outline-atomics)
 
 $(B)/src/convex/%.o: INCLUDES += $(CONVEX_CFLAGS)
-$(B)/drivers/%.o $(B)/src/host/%.o: INCLUDES += -Idrivers
+$(B)/drivers/%.o $(B)/src/scene/%.o $(B)/src/host/%.o: INCLUDES += -Idrivers
 $(B)/tools/%.o: INCLUDES += -Idrivers -Itools
 $(JSON_SOURCES:%.c=$(B)/%.o): INCLUDES += $(JANSSON_CFLAGS)
 $(B)/tools/view/server/%.o: INCLUDES += $(LWS_CFLAGS)
 
 # built_with.h says what was chosen for this build; it changes only when that does.
-CHOOSERS := $(B)/drivers/device.o $(B)/tools/cli/arm_file.o $(B)/tools/cli/cmd_device.o $(B)/src/host/scene_def.o \
-            $(B)/src/host/tip_shape.o \
+CHOOSERS := $(B)/drivers/device.o $(B)/tools/cli/arm_file.o $(B)/tools/cli/cmd_device.o $(B)/src/scene/scene_def.o \
+            $(B)/src/scene/tip_shape.o \
             $(B)/tools/plan/plan_file.o \
             $(B)/tools/view/view_serve.o
 $(CHOOSERS): INCLUDES += -I$(B)
@@ -288,5 +288,5 @@ help: ## this list
 clean: ## remove build/
 	rm -rf build
 
--include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(CONVEX_PARTS) $(DRIVER_PARTS) $(TOOLS) $(SIMULATE) $(HOST))
+-include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(CONVEX_PARTS) $(DRIVER_PARTS) $(HOST) $(TOOLS) $(SIMULATE))
 endif

@@ -42,6 +42,13 @@ uint64_t clock_now(void)
     return now;
 }
 
+uint64_t clock_thread(void)
+{
+    uint64_t thread = 0;
+    read_ns(CLOCK_THREAD_CPUTIME_ID, &thread);
+    return thread;
+}
+
 uint64_t clock_wall(void)
 {
     uint64_t wall = 0;

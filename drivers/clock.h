@@ -20,6 +20,9 @@ uint64_t clock_now(void);
  */
 dpt_result clock_read_suspended(uint64_t *now, int64_t *suspended);
 
+/* The processor time of the calling thread: it stands still while other programs run. 0 if it is not told. */
+uint64_t clock_thread(void);
+
 /* The time of day, which may be set at any time; 0 if there is none. */
 uint64_t clock_wall(void);
 

@@ -124,6 +124,12 @@ dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_err
         return finish_open(
             device_error(&own, DPT_E_ABSENT, "this build was made without the driver '%.*s'", (int)length, name), &own,
             error);
+    const size_t bare = strcspn(name, "?");
+    if (bare < length && find_driver(name, bare))
+        return finish_open(device_error(&own, DPT_E_UNSUPPORTED,
+                                        "there is no driver '%.*s': settings follow a colon, as in %.*s:%.60s",
+                                        (int)(length < 60 ? length : 60), name, (int)bare, name, name + bare),
+                           &own, error);
     return finish_open(
         device_error(&own, DPT_E_UNSUPPORTED, "there is no driver '%.*s'", (int)(length < 60 ? length : 60), name),
         &own, error);

@@ -190,6 +190,8 @@ static dpt_result read_lines(const char *path, FILE *stream, settings_line_fn *t
     char text[LINE_ROOM];
     size_t bytes = 0;
     for (int number = 1; fgets(text, sizeof text, stream); number++) {
+        if (number == 1 && strncmp(text, "\xef\xbb\xbf", 3) == 0) /* a byte order mark */
+            memmove(text, text + 3, strlen(text + 3) + 1);
         const size_t length = strlen(text);
         const int is_whole = (length > 0 && text[length - 1] == '\n') || feof(stream);
         if (!is_whole && *text != '#')

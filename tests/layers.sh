@@ -49,9 +49,12 @@ function set_rules(folders, count, i)
     inner["convex"] = "";                  public["convex"] = "core"
     inner["bindings"] = "";                public["bindings"] = "core compile urdf convex drivers host"
     inner["drivers"] = "text";             public["drivers"] = "core"
-    inner["host"] = "text drivers";        public["host"] = "core compile convex"
-    inner["tools"] = "text compile drivers host"; public["tools"] = "core urdf convex"
+    inner["scene"] = "text drivers";       public["scene"] = "core compile convex"
+    inner["host"] = "scene drivers";       public["host"] = "core"
+    inner["tools"] = "text compile drivers scene host"; public["tools"] = "core urdf convex"
     never["drivers"] = "mesh"
+    # What the host library does, tools do not do once more.
+    once["tools"] = "dpt_world_create dpt_passivity_init dpt_passivity_step dpt_coupling_for_device"
     inner["include"] = "";                 public["include"] = ""
     # Headers of the core that the others may include, if they are wholly static inline.
     inline_headers = "^src/(base/[^/]*|mesh/[^/]*|nearest/segment_triangle|arm/arm_format|exchange/latest_value)[.]h$"
@@ -130,14 +133,14 @@ function resolve(file, name, quoted, place, folder)
         return ""
     }
     if (folder == "drivers/serial" && name ~ /^wire(_device)?[.]h$/ && (place = folder "/" name) in exists) return place
-    if (file ~ /^src\/host\// && (place = "drivers/" name) in exists) return place
+    if (file ~ /^src\/(scene|host)\// && (place = "drivers/" name) in exists) return place
     if (!(file ~ /^src\// && name !~ /\//)) {
         if ((place = "include/" name) in exists) return place
         if (file !~ /^include\// && (place = "src/" name) in exists) return place
         if (file ~ /^(drivers|tools)\// && (place = "drivers/" name) in exists) return place
         if (file ~ /^tools\// && (place = "tools/" name) in exists) return place
     }
-    if (!quoted || (file ~ /^(drivers|tools|src\/host)\// && name == generated)) return ""
+    if (!quoted || (file ~ /^(drivers|tools|src\/scene)\// && name == generated)) return ""
     if ((place = folder "/" name) in exists) {
         sub(/^[a-z]*\//, "", place)
         find("root", file " includes " name ": write " place)
@@ -223,7 +226,7 @@ FILENAME == ARGV[1] {
     sub(/[.](c|cc)$/, "")
     if ($0 in built) find("see", $0 ".o")
     else if ($0 ~ /^src\/bindings\/wasm\//) next # for another machine (tests/wasm)
-    else if ($0 ~ /^tools\/(scene\/(json_|scene_file)|plan\/plan_file_parse)/) {
+    else if ($0 ~ /^(src\/scene\/(json_|scene_file)|tools\/plan\/plan_file_parse)/) {
         if (!told["json"]++) find("skip", "what reads scene files is not built: nothing says what it calls")
     } else if (folder_of($0) in folder || $0 !~ /^(src\/(urdf|convex|bindings)|drivers\/[^\/]*|tools\/view\/server)\//)
         find("object", source " has no object: nothing says what it calls")
@@ -252,6 +255,7 @@ END {
         used = unit_of(place)
         level = may(unit, used)
         call = object " calls " wanted[i] " of " place
+        if (is_in(wanted[i], once[unit])) find("call", call ": " unit " leave that to src/scene and src/host")
         if (level == 0) find("call", call ": " unit " may not use " used)
         else if (level == 1 && wanted[i] !~ /^dpt_/) find("call", call ": " unit " may use " used " by public symbols only")
         if (unit == used && unit in rank && object != place) {

@@ -167,6 +167,8 @@ says "drivers/made.o calls dpti_made of src/base/made_used.o: drivers may use ba
 put_object src/world/made_used.c 'int made(void); int made(void) { return 1; }'
 put_object tools/simulate/made.c 'int made(void); int dpti_made_user(void); int dpti_made_user(void) { return made(); }'
 says "tools/simulate/made.o calls made of src/world/made_used.o: tools may use world by public symbols only"
+put_object tools/simulate/made.c 'int dpt_world_create(void); int dpti_made_user(void); int dpti_made_user(void) { return dpt_world_create(); }'
+says "tools/simulate/made.o calls dpt_world_create of src/world/world.o: tools leave that to src/scene and src/host"
 put_object src/base/made_used.c 'int dpt_made(void); int dpt_made(void) { return 1; }'
 put_object drivers/made.c 'int dpt_made(void); int dpti_made_user(void); int dpti_made_user(void) { return dpt_made(); }'
 put_object src/contact/made_above.c "$used"

@@ -3,7 +3,8 @@
 # Builds and runs tests and adds up their last lines; what was skipped is named above the sum. programs.txt says which
 # program runs where, and how much of it.
 #
-#     run.sh test     the release build, nothing installed, a part of every kind of test: about a minute on two cores
+#     run.sh test     the release build, nothing installed, a part of every kind of test: about a minute on two cores, once
+#                     it is built. What needs a build of its own, as programs that count basic blocks do, is not in it
 #     run.sh check    all, in three configurations, but for what needs a release alone
 #     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time
 #                     optimization, planted faults
@@ -74,6 +75,7 @@ if ! lines_and_programs; then
 fi
 
 if [ "$whole" = test ]; then
+    [ -d build/tests ] || echo "all tests are built first, which takes some minutes; they then take about one"
     build all test-programs
     command_line build part
     programs test release waits
@@ -142,7 +144,7 @@ else
     go "$jobs"
 
     # The emulated machines and the browser look at the clock, and wait for much of their time: not beside what waits.
-    reads="include src drivers tools/simulate tools/shape tests Makefile"
+    reads="include src drivers tools/simulate tools/shape tests docs/samples Makefile"
     run_clock "a real kernel" sh tests/vm/check.sh build
     run_clock "firmware" sh tests/firmware/run.sh build
     reads=

@@ -8,7 +8,7 @@ EXACT_TESTS := test_sweep_exact test_sweep_moving
 TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))
 TEST_PARTS := $(call objects,tests/oracle/*.c tests/data/*.c) \
-              $(B)/src/host/shape.o $(B)/src/host/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
+              $(B)/src/scene/shape.o $(B)/src/scene/shape_organs.o $(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(SIMULATE)
 TEST_LIB := $(B)/tests/lib.a
 PARTS_LIB := $(B)/tests/parts.a
 LINKED = $(filter-out %.a,$^) -Wl,--start-group $(filter %.a,$^) -Wl,--end-group
@@ -99,7 +99,7 @@ $(B)/tests/test_exactness: | $(B)/dynpoint
 # Tests of the program's parts: linked with what they use of it, all but its main.
 tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
 TOOLS_LIB := $(B)/tests/tools.a
-$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o,$(TOOLS)) $(filter-out $(B)/src/host/shape%,$(HOST)) $(URDF_PARTS) $(CONVEX_PARTS)
+$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o,$(TOOLS)) $(filter-out $(B)/src/scene/shape%,$(HOST)) $(URDF_PARTS) $(CONVEX_PARTS)
 TOOLS_TESTS := $(call tests_of,tests/host) $(call tests_of,tests/tools) $(call tests_of,tests/view) $(call tests_of,tests/view/server) $(B)/tests/test_springs_passes $(B)/tests/test_fuzz
 $(TOOLS_TESTS): $(TOOLS_LIB)
 TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) $(CONVEX_LIBS)
@@ -194,8 +194,14 @@ $(CONVEX_TESTS): $(B)/tests/%: $(B)/tests/convex/%.o $(call shared_of,tests/conv
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(LDLIBS) $(CONVEX_LIBS) -o $@
 $(B)/tests/test_convex_faults: private LDLIBS = $(patsubst %,-Wl$(comma)--wrap=%,ccdGJKPenetration ccdMPRPenetration ccdGJKIntersect ccdMPRIntersect)
 
-$(B)/tests/firmware/link: $(B)/tests/firmware/link.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)
+$(B)/tests/firmware/link $(B)/tests/firmware/pull: %: %.o $(B)/tests/firmware/emulator.o $(DRIVER_PARTS) $(TEXT) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -lpthread $(DL) -o $@
+
+# A sample as it stands, on devices whose plug is pulled: the firmware and tests/vm.
+SAFE_DEVICE := $(B)/tests/safe_device
+$(SAFE_DEVICE): docs/samples/safe_device.c $(foreach lib,host drivers $(if $(CONVEX_PARTS),convex) compile,$(B)/libdynpoint_$(lib).a) $(B)/libdynpoint.a
+	@mkdir -p $(@D)
+	$(CC) -std=c99 -Iinclude $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(CONVEX_LIBS) $(JANSSON_LIBS) -o $@
 
 # On a real kernel with SocketCAN (tests/vm/check.sh runs every test_* there).
 VM_TESTS := $(patsubst tests/%.c,$(B)/tests/%,$(wildcard tests/vm/test_*.c))
@@ -203,13 +209,13 @@ VM_PARTS := $(filter-out $(B)/tests/vm/test_%,$(call objects,tests/vm/*.c))
 $(B)/tests/vm/test_%: $(B)/tests/vm/test_%.o $(VM_PARTS) $(DRIVER_PARTS) $(SIMULATE) $(TEXT) $(COMPILE) $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
-vm: all $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
+vm: all $(SAFE_DEVICE) $(VM_TESTS) $(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults ## the tests on a real kernel, in an emulated machine
 	@sh tests/vm/check.sh $(B)
 
-firmware: all $(B)/tests/firmware/link ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
+firmware: all $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull ## the driver against a Cortex-M7 in QEMU, and what a tick takes there
 	@sh tests/firmware/run.sh $(B)
 
-test: ## a part of every kind of test in about a minute: no network, nothing installed
+test: ## a part of every kind of test in about a minute, after some minutes of building: no network, nothing installed
 	@sh tests/run.sh test
 
 check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail
@@ -222,7 +228,7 @@ check-planted: all test-programs ## twelve faults are planted, one after the oth
 	@sh tests/planted.sh $(B)
 
 SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak proxy_side certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
-soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
+soak: all $(SOAKED:%=$(B)/tests/test_%) $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull $(B)/tests/vm/test_can_pull ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
 	@$(B)/tests/test_budget_worlds 8000
@@ -257,6 +263,8 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) ## 10^8 ticks against the tree, 10^7 of 
 	@$(B)/tests/test_deform_push 8400
 	@$(if $(CONVEX_PARTS),$(B)/tests/test_convex,:)
 	@$(B)/tests/test_exactness soak
+	@PULLS=400 sh tests/firmware/run.sh $(B)
+	@sh tests/vm/run.sh -t 3600 '$(B)/tests/vm/test_can_pull 350' || [ $$? -eq 77 ]
 
 fuzz: ## 10^8 random calls (CALLS_RUNS), then 10^8 executions (FUZZ_RUNS) of the fuzz targets by libFuzzer
 	@sh tests/fuzz/calls.sh
@@ -274,7 +282,7 @@ check-page: all $(B)/tests/page/feel_again ## the page with the core in it, agai
 pictures: all ## the pictures of README and docs: drawings by the core itself, stills and a moving one by a headless Chromium
 	@sh tests/pictures/make.sh $(B)
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs host_ticks)
 measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
@@ -300,9 +308,9 @@ not_run = $(patsubst %,$(B)/tests/test_%,$(shell awk '/^[a-z]/ && $$$1 == "-" { 
 test-programs: all $(filter-out $(call not_run,2),$(TESTS))
 # What programs.txt, and the scripts, run of this configuration.
 COLUMN := $(subst release,3,$(subst scalar,4,$(subst sanitize,5,$(CONFIG))))
-check-programs: $(if $(filter scalar,$(CONFIG)),$(LIBS:%=%.a),all) $(filter-out $(call not_run,$(COLUMN)),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS))
+check-programs: $(if $(filter scalar,$(CONFIG)),$(LIBS:%=%.a),all) $(filter-out $(call not_run,$(COLUMN)),$(TESTS)) $(if $(filter release,$(CONFIG)),$(VM_TESTS) $(SAFE_DEVICE))
 ifeq ($(CONFIG),release)
-check-programs: $(if $(shell command -v $(PYTHON)),$(B)/amalgamation/LICENSE) $(B)/tests/firmware/link $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
+check-programs: $(if $(shell command -v $(PYTHON)),$(B)/amalgamation/LICENSE) $(B)/tests/firmware/link $(B)/tests/firmware/pull $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again $(BENCH_PROGRAMS)
 endif
 .PHONY: test-programs check-programs
 -include $(TEST_SOURCES:%.c=$(B)/%.d) $(VM_TESTS:=.d) $(wildcard $(TOPICS:%=$(B)/tests/%/*.d) $(B)/tests/lib/*.d) \
@@ -310,7 +318,7 @@ endif
 -include $(wildcard $(EXACT_TESTS:%=$(B)/tests/sweep/%.d) $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
-$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(B)/src/host/host_file.o $(B)/src/host/host_error.o $(TEXT) $(COMPILE) $(CORE)
+$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(B)/src/scene/host_file.o $(B)/src/scene/host_error.o $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 
 $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)
@@ -323,20 +331,22 @@ $(B)/tests/bench/springs $(B)/tests/bench/spring_methods: %: %.o $(B)/tests/defo
                               $(B)/tests/oracle/spring_balance.o $(CORE) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 $(B)/tests/bench/scenes $(B)/tests/bench/tori: $(B)/tests/bench/play.o
-$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/src/host/scene_list.o $(B)/src/host/shape.o $(B)/src/host/shape_organs.o \
+$(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/src/scene/scene_list.o $(B)/src/scene/shape.o $(B)/src/scene/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
 $(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined $(B)/tests/bench/proxy_ticks $(B)/tests/bench/proxy_jumps $(B)/tests/bench/proxy_hangs: %: %.o $(PARTS_LIB) $(TEST_LIB)
 	$(LINK_TEST)
 $(B)/tests/bench/proxy_jumps: $(B)/tests/proxy/jump_run.o $(B)/tests/proxy/soak_oracle.o
 $(B)/tests/bench/proxy_hangs: $(B)/tests/proxy/hang_run.o
+$(B)/tests/bench/host_ticks: %: %.o $(HOST_PARTS) $(COMPILE) $(DRIVER_PARTS) $(CONVEX_PARTS) $(TEXT) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $(sort $^) -lm $(THREADS) $(DL) $(CONVEX_LIBS) $(JANSSON_LIBS) -o $@
 $(B)/tests/bench/strip_coverage: $(B)/tests/bench/strip_coverage.o $(call shared_of,tests/strip/) $(TEST_PARTS) $(TEST_LIB)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 stability: all ## run the laboratory of force, and make docs/stability.md and its charts of it
 	@mkdir -p $(B)/bench
-	$(B)/dynpoint stability --json >$(B)/bench/stability.json || [ $$? -eq 1 ]
-	$(B)/dynpoint stability hum --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
+	$(B)/dynpoint stability --effort 1 --json >$(B)/bench/stability.json
+	$(B)/dynpoint stability hum --effort 1 --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
 charts: measured ## measure as bench does, draw docs/charts and keep their data

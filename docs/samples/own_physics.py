@@ -11,6 +11,8 @@ from ctypes import (CDLL, POINTER, Structure, byref, c_char_p, c_double, c_float
                     c_void_p, sizeof)
 from math import cos, exp, pi, sin
 
+if len(sys.argv) != 2:
+    sys.exit("usage: python3 own_physics.py BUILD, the folder of libdynpoint.so and libdynpoint_compile.so")
 core = CDLL(sys.argv[1] + "/libdynpoint.so")
 compiler = CDLL(sys.argv[1] + "/libdynpoint_compile.so")
 core.dpt_world_bytes.restype = core.dpt_deformable_bytes.restype = c_size_t

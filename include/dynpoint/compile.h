@@ -9,7 +9,12 @@
  * calling thread does its work. The progress callback is called from the calling thread.
  *
  * Formats: OBJ (faces with v, v/vt, v//vn, v/vt/vn, negative indices, polygons), STL (ASCII and binary), PLY (ASCII,
- * little- and big-endian) and OFF. Reading numbers does not depend on the locale.
+ * little- and big-endian) and OFF. Reading numbers does not depend on the locale. VTK, glTF, 3MF, COLLADA, Gmsh and gzip are
+ * known by their content, and refused by name (DPT_E_FORMAT; docs/algorithms/compile.md#other-formats).
+ *
+ * Polygons: one of n corners is n - 2 triangles, in its place. Convex ones are a fan of their first corner, concave ones are
+ * cut by their ears. One that crosses itself, or has a corner farther from its best plane than a tenth of its box's
+ * diagonal, is a fan, and noted.
  *
  * Repairs: the compiler repairs only what follows, and reports it in dpt_mesh_info. It joins equal vertices. It drops
  * degenerate and duplicate triangles. It winds each part that has an inside one way: outward, or inward for the wall of
@@ -47,13 +52,20 @@ typedef struct dpt_diag {
  */
 typedef int dpt_progress_fn(void *user, const char *step, double done);
 
+/*
+ * Receives a note: what you should know of a source that compiles, in words for a person. The line, byte and text are as
+ * of an error, the code is DPT_OK. It is called from the calling thread, and is valid during the call only. A source that
+ * is refused may have got notes before.
+ */
+typedef void dpt_compile_note_fn(void *user, const dpt_diag *note);
+
 enum {
     DPT_NET_SHEET = 1, /* nodes are the vertices, springs lie in the surface */
     DPT_NET_VOLUME = 2 /* a cubic lattice fills the closed parts; the vertices are embedded in it */
 };
 enum { DPT_REGION_BOX = 1, DPT_REGION_SPHERE = 2 };
 
-/* Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame. Its size is final. */
+/* Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame, moved if that is. Its size is final. */
 typedef struct dpt_spring_region {
     uint32_t kind;  /* DPT_REGION_... */
     uint32_t fixed; /* 1: nodes in it do not move, and young, density and drag are not read; else 0 */
@@ -114,8 +126,17 @@ typedef struct dpt_compile_def {
 
     /* An edge is a crease if the normals of its triangles differ by more than this; rad; 0: pi / 3; pi: no creases. */
     double crease;
-    uint32_t threads;  /* the most threads to use, the calling one included; at most 64; 0 means 1 */
-    uint32_t reserved; /* 0 */
+    uint32_t threads; /* the most threads to use, the calling one included; at most 64; 0 means 1 */
+    /*
+     * 1: move the mesh, so that its box's centre comes near the origin: floats are fine there. dpt_mesh_info.origin says
+     * by how much, in few digits; coordinates are at most 1e9 m before. 0: the mesh stays in the source's frame. It does
+     * not go with cells.
+     *
+     * A mesh that lies so far from the origin that floats are too coarse for it is noted, where vertices are rounded by
+     * more than a thousandth of the triangles' median edge. It is refused beyond a tenth, as DPT_E_FINITE, unless it is
+     * moved. The texts name `dynpoint compile --recentre`, which sets this.
+     */
+    uint32_t recentre;
 
     /*
      * Embed the vertices in a mesh of tetrahedra that somebody's physics moves (dpt_mesh_get_embedding). Both counts
@@ -154,6 +175,8 @@ typedef struct dpt_compile_def {
      * the content does not, as for dpt_compile_file, which goes by its path. Nothing is opened. NULL: there is none
      */
     const char *name;
+    dpt_compile_note_fn *note; /* NULL: none */
+    void *note_user;           /* handed to `note` */
 } dpt_compile_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_compile_def_init, which passes your sizeof. */
@@ -173,12 +196,14 @@ typedef struct dpt_compiled {
 /*
  * Compile a file, the bytes of a file, or arrays.
  *
- *   path      opened and read once, so it may be a pipe; NULL is DPT_E_ARGUMENT
+ *   path      opened and read once, so it may be a pipe; NULL is DPT_E_ARGUMENT. DPT_E_LIMIT: it has no length, as a
+ *             pipe, and more than 2^30 bytes come
  *   def       NULL: the defaults
  *   out       the compiled bytes; {NULL, 0} on error
  *   diag      may be NULL; on error says where and why; on success its code is DPT_OK
  *   vertices  vertex_count times x, y, z
- *   corners   triangle_count times three vertex numbers, from 0
+ *   corners   triangle_count times three vertex numbers, from 0. DPT_E_LIMIT, before anything is read: more than
+ *             2^31 - 1 vertices, or than 2^32 / 3 triangles
  */
 DPT_API dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag);
 DPT_API dpt_result dpt_compile_bytes(const void *source, size_t size, const dpt_compile_def *def, dpt_compiled *out,
@@ -231,7 +256,7 @@ DPT_API dpt_result dpt_compile_arm(const dpt_arm_def *def, dpt_compiled *out, dp
 
 /*
  * The corners of a hull (hull.h) that holds many points, as those of a mesh: what becomes a tool's tip (tip.h).
- *   points    3 coordinates each, m, at most DPT_COORDINATE_MAX; 3 points or more
+ *   points    3 coordinates each, m, at most DPT_COORDINATE_MAX; 3 points to 2^31 - 1
  *   corners   room for `capacity` corners, 4..DPT_HULL_CORNERS_MAX; each is one of the points, or near one of them where
  *             they are thinner than 1e-3 of their size: such a set becomes flat
  *   radius    m, for the hull's def. 0: the corners are those of the points' hull, within 1e-8 of its size. Else points

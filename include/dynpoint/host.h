@@ -26,6 +26,7 @@
 #ifndef DYNPOINT_HOST_H
 #define DYNPOINT_HOST_H
 
+#include "dynpoint/body.h"
 #include "dynpoint/device.h"
 #include "dynpoint/loop.h"
 #include "dynpoint/world.h"
@@ -38,8 +39,7 @@ typedef struct dpt_host dpt_host;
  * What a call has to say to a person, in one line.
  *   code   what the call returned
  *   text   after a failure, the file, its place and the reason. After a success, what a person should know, as that the
- *          coupling is softer than was asked for, and why; or "" for nothing. A cure that it names is an option of
- *          `dynpoint run`, as --unstable, which is DPT_HOST_FLAG_UNSTABLE here
+ *          coupling is softer than was asked for, and why; or "" for nothing
  */
 typedef struct dpt_host_error {
     uint32_t size; /* sizeof(dpt_host_error), set by the caller */
@@ -53,8 +53,35 @@ enum {
     DPT_HOST_FLAG_ACTIVE = 2,   /* what energy the scene gives the hand is not taken away */
     DPT_HOST_FLAG_CONTACTS = 4, /* the world lists its contacts, for a viewer */
     DPT_HOST_FLAG_REOPEN = 8,   /* dpt_loop_def.reopen */
-    DPT_HOST_FLAG_AWAKE = 16    /* dpt_loop_def.awake */
+    DPT_HOST_FLAG_AWAKE = 16,   /* dpt_loop_def.awake */
+    DPT_HOST_FLAG_EMBED = 32    /* `record` carries the compiled files of scene and tool, to be replayed without them */
 };
+
+/* Bits of dpt_host_body.flags. */
+enum {
+    DPT_HOST_BODY_FLAG_RIGID = 1 /* it does not give way, though its mesh has springs */
+};
+
+/*
+ * A body of your own. What is 0 or NULL is the default, as in a scene file (docs/scene.md); the numbers from load_radius on
+ * are of a mesh with springs.
+ */
+typedef struct dpt_host_body {
+    uint32_t size;        /* sizeof(dpt_host_body), set by the caller; in an array, set that of the first item */
+    uint32_t flags;       /* DPT_HOST_BODY_FLAG_... */
+    const dpt_mesh *mesh; /* stays open as long as the host */
+    const dpt_pose *pose; /* of the mesh's frame in the scene's; read by the call. NULL: the same frame */
+    const dpt_body_settings *settings; /* friction and the like; read by the call. NULL: those of new bodies */
+    const char *name;                  /* in texts; stays as long as the host. NULL: it has none */
+    double load_radius;                /* dpt_deformable_def.load_radius, m; 0: as tissue and tool need it */
+    double period;                     /* dpt_deformable_def.period, s, 0..1000 */
+    double room;                       /* m: how far vertices may get beyond the mesh's box; 0: 10 m or more */
+    double sleep_speed;                /* dpt_springs_def.sleep_speed, m/s; 0: its default; -1: no node falls asleep */
+    uint32_t integrator;               /* DPT_INTEGRATOR_... */
+    uint32_t iterations;               /* dpt_springs_def.iterations; 0: its default */
+    uint32_t response;                 /* DPT_RESPONSE_...; DISPLACE is for the laws point and bed, and for sheets */
+    uint32_t reserved;                 /* 0 */
+} dpt_host_body;
 
 /*
  * Called after each tick that had a sample, with its wrench at the hand before the guard. It must not wait. `result` is
@@ -98,6 +125,15 @@ typedef struct dpt_host_def {
     double physics;         /* Hz of what gives way, apart from the loop, 1..5000; 0: in each tick; 0 */
     double rate;            /* of the loop, Hz, 1..100000; 0: the device's; 0 */
     double force_max; /* of the guard, N, 0..1000; NAN: the guard's default, and the device's if that is less; NAN */
+    /* Tips of the tool beside its segments, up to 16, NULL behind the last: each as `dynpoint run --tip` takes it; NULL */
+    const char *const *tips;
+    const char *jaw; /* how the tool's jaws move, as `dynpoint run --jaw` takes it; NULL */
+    /* Bodies of your own instead of a scene, y being up; and segments, in the tool's frame, instead of its own; NULL */
+    const dpt_host_body *bodies;
+    const dpt_segment *segments;
+    uint32_t body_count;    /* 1..64; 0 */
+    uint32_t segment_count; /* 1..64; 0 */
+    double gravity;         /* of `bodies`, m/s^2 against y, 0..1000; 0 */
 } dpt_host_def;
 
 /* What is so now, and what has happened since dpt_host_open. */
@@ -120,11 +156,11 @@ typedef struct dpt_host_info {
     uint64_t put;                /* in which the proxy was put at the device (docs/algorithms/force.md) */
     uint64_t inside;             /* without force, as the tool may be inside of something, or behind it */
     uint64_t limited;            /* whose wrench the controller of passivity changed */
-    double taken;                /* J that it took away */
+    double taken;                /* J: dpt_passivity_info.taken */
     double account_min;          /* J: the least of its account */
     double depth_max;            /* m of the scene: the deepest */
     double force_max;            /* N at the hand: the strongest, before the guard */
-    /* What went wrong in ticks, how often, since when and what helps; "": nothing */
+    /* What went wrong in ticks, or stopped the device, how often, why and what helps; "": nothing */
     char trouble[640];
 } dpt_host_info;
 
@@ -144,8 +180,9 @@ DPT_API const char *dpt_host_get_scene(uint32_t index);
  *   host    NULL after a failure
  *   error   may be NULL
  *
- * DPT_E_ARGUMENT: a value is out of range, there is no scene, or neither a device nor an info. DPT_E_ABSENT: this build
- * reads no scene files. Otherwise what reading, compiling or opening returned.
+ * DPT_E_ARGUMENT: a value is out of range, there is neither a scene nor bodies, or both, or neither a device nor an info.
+ * DPT_E_ABSENT: this build reads no scene files. DPT_E_UNSUPPORTED: what there is does not go together, such as a recording
+ * of `bodies` or `segments`, of which a replay knows nothing. Otherwise what reading, compiling or opening returned.
  */
 DPT_API dpt_result dpt_host_open(const dpt_host_def *def, dpt_host **host, dpt_host_error *error);
 
@@ -187,6 +224,9 @@ DPT_API dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *info);
 /* The world and the tool in it, for what world.h, tool.h and snapshot.h tell. NULL and 0 for a host that is NULL. */
 DPT_API dpt_world *dpt_host_get_world(const dpt_host *host);
 DPT_API dpt_tool dpt_host_get_tool(const dpt_host *host);
+
+/* A body in the world, in the order of the scene, from 0: to move it, or to ask for its vertices. 0: there is none. */
+DPT_API dpt_body dpt_host_get_body(const dpt_host *host, uint32_t index);
 
 DPT_END
 

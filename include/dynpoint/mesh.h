@@ -59,7 +59,7 @@ typedef struct dpt_mesh_info {
     uint32_t dropped_degenerate; /* triangles with two equal corners, or without area */
     uint32_t dropped_duplicate;  /* triangles with the same three corners as one of lower number */
     uint32_t unused_vertices;    /* vertices of the source that no polygon uses */
-    uint32_t concave_polygons;   /* polygons that are concave, and were cut into a fan all the same */
+    uint32_t concave_polygons;   /* polygons that are concave: cut by their ears */
     uint32_t open_edges;         /* edges with one triangle, counted after the dropping */
     uint32_t nonmanifold_edges;  /* edges with three triangles or more */
     uint32_t wrong_way_edges;    /* edges that two triangles run through in the same direction */
@@ -69,7 +69,7 @@ typedef struct dpt_mesh_info {
     uint32_t turned_triangles;   /* triangles whose winding the compiler reversed */
     uint32_t tree_levels;        /* levels of boxes in the box tree */
     double scale;                /* vertex = (float)(scale * source) */
-    double rounding;             /* largest |vertex - scale * source| of a coordinate, m */
+    double rounding;             /* largest |vertex - (scale * source - origin)| of a coordinate, m */
     double box_min[3];
     double box_max[3];
     uint64_t source_bytes; /* length of the source file; 0 if compiled from arrays */
@@ -101,6 +101,8 @@ typedef struct dpt_mesh_info {
     double spring_mass;      /* of the body, kg: fixed nodes counted as if they were free */
     double poisson;          /* Poisson's ratio: 1/3 of a sheet, 0.1 to 0.45 of a volume */
     double stable_step;      /* largest stable step of symplectic Euler without damping, s; a bound */
+    /* Since format 7. 0 for an older file, and for a mesh that was not moved. */
+    double origin[3]; /* where the mesh's origin lies in the source's frame, m: vertex = scale * source - origin */
 } dpt_mesh_info;
 
 /*

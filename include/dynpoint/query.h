@@ -34,7 +34,7 @@ typedef struct dpt_query_def {
  *   pose   of the mesh in the world; NULL: the identity
  *   ends   n times ax, ay, az, bx, by, bz, in the world, m
  *   radii  n radii >= 0, m; NULL: all are 0
- *   n      number of segments; 0 is not an error
+ *   n      number of segments; 0 is not an error. More than 2^31 - 1: DPT_E_LIMIT, before anything is read
  *   hits   n answers. Set hits[0].size: it is the stride of the array, and is written into every hit
  *   def    NULL: the defaults
  *

@@ -110,7 +110,12 @@ enum {
      * IMPLICIT: the step in which nodes fly on first could have gained energy. It was taken once more from where nodes
      * were; that damps more, and costs as much again.
      */
-    DPT_SPRINGS_FLAG_HELD = 1
+    DPT_SPRINGS_FLAG_HELD = 1,
+    /*
+     * With a world: the surface would have gone through a tool that touches it. The body went as far as it goes in a half,
+     * a quarter or less of the step: as if time was slower.
+     */
+    DPT_SPRINGS_FLAG_CUT = 2
 };
 
 /* What a step did. */

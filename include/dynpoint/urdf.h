@@ -18,7 +18,8 @@
  * them are jaws; all of these shapes become tips, which the jaws move in the tool's frame.
  *
  * Scene: the collision meshes and boxes of all links that fixed joints join to the root, as bodies with the link's
- * name. All other collision shapes are left out, and noted.
+ * name. All other collision shapes are left out, and noted. A mesh that `mesh->recentre` moves is a body at its place all
+ * the same. What the compiler notes of a mesh is a note of its link.
  */
 #ifndef DYNPOINT_URDF_H
 #define DYNPOINT_URDF_H
@@ -36,22 +37,26 @@ typedef void dpt_urdf_note_fn(void *user, uint64_t line, const char *text);
 
 /* Settings. Apart from the size, 0 and NULL mean the defaults. */
 typedef struct dpt_urdf_def {
-    uint32_t size;     /* sizeof(dpt_urdf_def) */
-    uint32_t reserved; /* 0 */
-    const char *tool;  /* name of the link that is the tool; NULL: the only link without children */
+    uint32_t size;          /* sizeof(dpt_urdf_def) */
+    uint32_t without_scene; /* 1: leave the scene's meshes and boxes out, and do not look for them; else 0 */
+    const char *tool;       /* name of the link that is the tool; NULL: the only link without children */
     /*
      * Folders in which package://NAME/rest is looked for, with ':' between them. The first of these files that exists
      * is taken:
-     *   1. NAME/rest in each of these folders; none if NULL
+     *   1. NAME/rest in each of these folders, or rest where the folder's own name is NAME; none if NULL
      *   2. NAME/rest in the folder of the URDF, then in each folder above it
      *   3. rest in the folder of the URDF
      */
     const char *packages;
     /* For collision meshes: the scales multiply, and there are no cells. NULL: the defaults. */
     const dpt_compile_def *mesh;
-    dpt_urdf_note_fn *note;       /* NULL: none */
-    void *user;                   /* handed to `note` */
-    const void *reserved_pointer; /* NULL */
+    dpt_urdf_note_fn *note; /* NULL: none */
+    void *user;             /* handed to `note` */
+    /*
+     * Names of links whose collision shapes are left out, of the scene and of the tool; the last one is followed by NULL.
+     * Their masses stay. NULL: none.
+     */
+    const char *const *skip;
 } dpt_urdf_def;
 
 /* Fill in the defaults of the first `size` bytes. Call dpt_urdf_def_init, which passes your sizeof. */
@@ -77,9 +82,10 @@ static inline void dpt_urdf_def_init(dpt_urdf_def *def)
  *   DPT_E_FORMAT       the file is not XML, not a URDF, or xacro
  *   DPT_E_SYNTAX, DPT_E_TRUNCATED, DPT_E_FINITE
  *                      the file breaks the rules of XML or of URDF
- *   DPT_E_UNSUPPORTED  the URDF describes no arm: a floating joint, nothing that moves, COLLADA
+ *   DPT_E_UNSUPPORTED  the URDF describes no arm: a floating joint, nothing that moves; COLLADA or glTF in the scene
  *   DPT_E_LIMIT        too many joints, links, capsules, bodies or bytes, or a name that is too long
- *   DPT_E_ARGUMENT     the tool is not in the file, or is one of several links and was not named; def is out of range
+ *   DPT_E_ARGUMENT     the tool or a link to skip is not in the file; the tool is one of several links and was not named;
+ *                      def is out of range
  */
 DPT_API dpt_result dpt_urdf_compile_file(const char *path, const dpt_urdf_def *def, dpt_compiled *out, dpt_diag *diag);
 

@@ -10,6 +10,7 @@
 #include "base/sized.h"
 #include "base/vec3.h"
 #include "compile/compile_context.h"
+#include "compile/foreign.h"
 #include "compile/model.h"
 #include "compile/spring_build.h"
 #include "compile/text.h"
@@ -99,7 +100,7 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
         return DPT_FORMAT_OFF;
     if (is_binary_stl(bytes, size) || is_ascii_stl(text))
         return DPT_FORMAT_STL;
-    if (is_compiled(bytes, size))
+    if (is_compiled(bytes, size) || foreign_format_of(bytes, size))
         return DPT_FORMAT_AUTO;
     uint32_t format = format_of_extension(path);
     if (format == DPT_FORMAT_AUTO && has_vertex_line(text))
@@ -107,11 +108,47 @@ uint32_t source_format(const char *path, const unsigned char *bytes, size_t size
     return format;
 }
 
+/* 3D Slicer writes which way its axes point into the header, or the first comment, of a mesh. */
+static void note_space(const soup *source, const unsigned char *bytes, size_t size)
+{
+    static const char word[] = "SPACE=";
+    const size_t length = sizeof word - 1, end = size < 1024 ? size : 1024;
+    for (size_t at = 0; at + length + 3 <= end; at++) {
+        if (memcmp(bytes + at, word, length) != 0)
+            continue;
+        if (memcmp(bytes + at + length, "LPS", 3) == 0)
+            compile_note(
+                source->context, (source_location){ 0, at },
+                "SPACE=LPS, by 3D Slicer, in mm: x to the patient's left, y to the back; of meshes in RAS x and y "
+                "are reversed");
+        if (memcmp(bytes + at + length, "RAS", 3) == 0)
+            compile_note(
+                source->context, (source_location){ 0, at },
+                "SPACE=RAS, by 3D Slicer, in mm: x to the patient's right, y to the front; of meshes in LPS x and "
+                "y are reversed");
+        return;
+    }
+}
+
+static dpt_result refuse_format(const soup *source, const unsigned char *bytes, size_t size)
+{
+    const struct foreign_format *foreign = foreign_format_of(bytes, size);
+    const source_location nowhere = { 0, 0 };
+    if (!size)
+        return compile_fail(source->context, DPT_E_EMPTY, nowhere, "the file is empty");
+    if (foreign)
+        return compile_fail(source->context, DPT_E_FORMAT, nowhere,
+                            "this is %s: make it an STL (docs/algorithms/compile.md#other-formats)", foreign->name);
+    return compile_fail(source->context, DPT_E_FORMAT, nowhere, "neither OBJ, STL, PLY nor OFF");
+}
+
 dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes, size_t size)
 {
     if (format != DPT_FORMAT_STL && is_compiled(bytes, size))
         return compile_fail(source->context, DPT_E_FORMAT, (source_location){ 0, 0 },
                             "this is compiled already: a .dpa file");
+    if (format != DPT_FORMAT_AUTO)
+        note_space(source, bytes, size);
     switch (format) {
     case DPT_FORMAT_OBJ:
         return read_obj(source, bytes, size);
@@ -122,9 +159,7 @@ dpt_result read_source(soup *source, uint32_t format, const unsigned char *bytes
     case DPT_FORMAT_OFF:
         return read_off(source, bytes, size);
     default:
-        if (!size)
-            return compile_fail(source->context, DPT_E_EMPTY, (source_location){ 0, 0 }, "the file is empty");
-        return compile_fail(source->context, DPT_E_FORMAT, (source_location){ 0, 0 }, "neither OBJ, STL, PLY nor OFF");
+        return refuse_format(source, bytes, size);
     }
 }
 
@@ -158,6 +193,9 @@ static dpt_result take_steps(struct model *model, soup *source)
 {
     const struct compile_context *context = source->context;
     DPT_TRY(soup_check_corners(source));
+    DPT_TRY(soup_recentre(source));
+    DPT_TRY(soup_check_rounding(source));
+    DPT_TRY(soup_cut_polygons(source));
     DPT_TRY(begin_step(context, "clean"));
     DPT_TRY(model_clean(model, source));
     DPT_TRY(begin_step(context, "order"));
@@ -223,6 +261,19 @@ static dpt_result take_springs(struct compile_call *call)
     return springs_check(context, &call->springs);
 }
 
+/* A def of an older version may end within a pointer. */
+static void drop_half_pointers(dpt_compile_def *def, size_t size)
+{
+    if (size < offsetof(dpt_compile_def, name))
+        def->springs = NULL;
+    if (size < offsetof(dpt_compile_def, note))
+        def->name = NULL;
+    if (size < offsetof(dpt_compile_def, note_user))
+        def->note = NULL;
+    if (size < sizeof *def)
+        def->note_user = NULL;
+}
+
 /* Check the arguments and fill in `call`. end_call must follow, whatever is returned. */
 static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *given, dpt_compiled *out,
                              const dpt_diag *diag)
@@ -243,13 +294,11 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return compile_fail(context, result, nowhere, "the def has fields of a newer version");
     if (result != DPT_OK)
         return compile_fail(context, result, nowhere, "the def's size field is not set");
-    if (given && sized_of(given) < offsetof(dpt_compile_def, name))
-        def->springs = NULL; /* of half a pointer */
-    if (given && sized_of(given) < sizeof *def)
-        def->name = NULL; /* likewise */
+    if (given)
+        drop_half_pointers(def, sized_of(given));
     compile_context_init(context, def, &call->diag);
-    if (def->reserved)
-        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "the def's reserved fields are not 0");
+    if (def->recentre > 1)
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "recentre must be 0 or 1");
     if (def->format > DPT_FORMAT_OFF)
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no such format");
     if (def->scale < 0.0 || !within(def->scale, 1e30))
@@ -260,6 +309,8 @@ static dpt_result begin_call(struct compile_call *call, const dpt_compile_def *g
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "nodes without cells, or cells without");
     if (def->cell_count && (!def->nodes || !def->cells))
         return compile_fail(context, DPT_E_ARGUMENT, nowhere, "no nodes or no cells");
+    if (def->cell_count && def->recentre)
+        return compile_fail(context, DPT_E_ARGUMENT, nowhere, "recentre and cells exclude each other");
     return def->springs ? take_springs(call) : DPT_OK;
 }
 
@@ -317,9 +368,20 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
     return end_call(&call, result, diag);
 }
 
+/* What has no length may be endless: a pipe, /dev/zero. */
+#define STREAM_MAX ((size_t)1 << 30)
+
+static int has_length(FILE *file)
+{
+    const int has_one = fseek(file, 0, SEEK_END) == 0 && ftell(file) > 0;
+    rewind(file);
+    return has_one;
+}
+
 /* Read all of a file into a block that grows, because a pipe has no length. The caller frees *bytes. */
 static dpt_result read_all(const struct compile_context *context, FILE *file, unsigned char **bytes, size_t *size)
 {
+    const size_t max = has_length(file) ? SIZE_MAX : STREAM_MAX;
     size_t capacity = 0;
     for (;;) {
         if (*size == capacity) {
@@ -336,6 +398,9 @@ static dpt_result read_all(const struct compile_context *context, FILE *file, un
             return compile_fail(context, DPT_E_OPEN, nowhere, "it cannot be read: %s", strerror(errno));
         if (!read_count)
             return DPT_OK;
+        if (*size > max)
+            return compile_fail(context, DPT_E_LIMIT, nowhere,
+                                "it has no length, and more than %zu bytes come: what is larger must be a file", max);
     }
 }
 
@@ -360,6 +425,16 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
     return end_call(&call, result, diag);
 }
 
+/* A count that is none, as -1 of another language, would be read far beyond the arrays. */
+static dpt_result check_counts(const struct compile_context *context, size_t vertex_count, size_t triangle_count)
+{
+    if (vertex_count > COUNT_MAX)
+        return compile_fail(context, DPT_E_LIMIT, nowhere, "more than %zu vertices", COUNT_MAX);
+    if (triangle_count > TRIANGLES_MAX)
+        return compile_fail(context, DPT_E_LIMIT, nowhere, "more than %zu triangles", TRIANGLES_MAX);
+    return DPT_OK;
+}
+
 dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const uint32_t *corners,
                               size_t triangle_count, const dpt_compile_def *def, dpt_compiled *out, dpt_diag *diag)
 {
@@ -367,6 +442,8 @@ dpt_result dpt_compile_arrays(const double *vertices, size_t vertex_count, const
     dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && ((!vertices && vertex_count) || (!corners && triangle_count)))
         result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no vertices or no corners");
+    if (result == DPT_OK)
+        result = check_counts(&call.context, vertex_count, triangle_count);
     for (size_t v = 0; result == DPT_OK && v < vertex_count; v++)
         result = soup_add_vertex(&call.source, vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2],
                                  (source_location){ 0, 3 * sizeof *vertices * v });

@@ -11,10 +11,21 @@ void compile_context_init(struct compile_context *context, const dpt_compile_def
     *context = (struct compile_context){ .scale = def && def->scale != 0.0 ? def->scale : 1.0,
                                          .crease = def && def->crease != 0.0 ? def->crease : CREASE_DEFAULT,
                                          .threads = def && def->threads ? def->threads : 1,
+                                         .recentre = def && def->recentre,
                                          .def = def,
                                          .diag = diag };
     if (context->threads > PARALLEL_MAX)
         context->threads = PARALLEL_MAX;
+}
+
+static void fill_diag(dpt_diag *diag, dpt_result code, source_location location, const char *format, va_list arguments)
+{
+    const int length = vsnprintf(diag->text, sizeof diag->text, format, arguments);
+    if (length >= (int)sizeof diag->text)
+        memcpy(diag->text + sizeof diag->text - 4, "...", 4);
+    diag->code = code;
+    diag->line = location.line;
+    diag->byte = location.line != 0 ? 0 : location.byte;
 }
 
 dpt_result compile_fail(const struct compile_context *context, dpt_result code, source_location location,
@@ -22,12 +33,21 @@ dpt_result compile_fail(const struct compile_context *context, dpt_result code, 
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(context->diag->text, sizeof context->diag->text, format, arguments);
+    fill_diag(context->diag, code, location, format, arguments);
     va_end(arguments);
-    context->diag->code = code;
-    context->diag->line = location.line;
-    context->diag->byte = location.line != 0 ? 0 : location.byte;
     return code;
+}
+
+void compile_note(const struct compile_context *context, source_location location, const char *format, ...)
+{
+    dpt_diag note = { .size = sizeof note };
+    va_list arguments;
+    if (!context->def || !context->def->note)
+        return;
+    va_start(arguments, format);
+    fill_diag(&note, DPT_OK, location, format, arguments);
+    va_end(arguments);
+    context->def->note(context->def->note_user, &note);
 }
 
 dpt_result compile_report_progress(const struct compile_context *context, const char *step, double done)

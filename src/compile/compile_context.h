@@ -11,12 +11,17 @@
 
 #include "dynpoint/compile.h"
 
+/* Of vertices, of triangles: half-edges are numbered in 32 bits. */
+#define COUNT_MAX     ((size_t)INT32_MAX)
+#define TRIANGLES_MAX ((size_t)UINT32_MAX / 3)
+
 #define CREASE_DEFAULT 1.0471975511965976 /* pi / 3 */
 
 struct compile_context {
     double scale;               /* metres per unit of the source */
     double crease;              /* rad */
     uint32_t threads;           /* 1..PARALLEL_MAX */
+    int recentre;               /* 1: the mesh is moved to its origin */
     const dpt_compile_def *def; /* for cells, springs and the progress callback; may be NULL */
     dpt_diag *diag;             /* never NULL */
 };
@@ -35,6 +40,13 @@ dpt_result compile_fail(const struct compile_context *context, dpt_result code, 
                         const char *format, ...)
 #ifdef __GNUC__
     __attribute__((format(printf, 4, 5)))
+#endif
+    ;
+
+/* Hand a note to the callback: what the user should know, of a source that compiles. Formatted as compile_fail's. */
+void compile_note(const struct compile_context *context, source_location location, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 3, 4)))
 #endif
     ;
 

@@ -246,7 +246,7 @@ dpt_result dpt_compile_hull(const double *points, size_t point_count, double *co
     struct growing growing = { .points = points, .point_count = point_count };
     double any[3 * CORNERS_MAX] = { 0.0 };
     const dpt_hull_def largest = { .size = sizeof largest, .corner_count = CORNERS_MAX, .corners = any };
-    if (!points || !corners || !corner_count || !radius || point_count < 3 || point_count >= DPT_NONE || capacity < 4 ||
+    if (!points || !corners || !corner_count || !radius || point_count < 3 || point_count > COUNT_MAX || capacity < 4 ||
         capacity > CORNERS_MAX)
         return DPT_E_ARGUMENT;
     DPT_TRY(check_points(points, point_count));

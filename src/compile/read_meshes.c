@@ -286,10 +286,13 @@ static dpt_result check_length(soup *source, const unsigned char *bytes, size_t 
     if (size < length)
         return compile_fail(source->context, DPT_E_TRUNCATED, (source_location){ 0, size },
                             "binary STL announces %" PRIu64 " triangles and holds %" PRIu64, announced, held);
-    if (size > length)
+    if (size > length && announced == 0)
         return compile_fail(source->context, DPT_E_TRAILING, (source_location){ 0, length },
-                            "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL announces",
-                            size - length, announced);
+                            "binary STL announces no triangle, and %" PRIu64 " bytes follow", size - length);
+    if (size > length)
+        compile_note(source->context, (source_location){ 0, length },
+                     "%" PRIu64 " bytes follow the %" PRIu64 " triangles that binary STL announces: left out",
+                     size - length, announced);
     return DPT_OK;
 }
 
@@ -307,7 +310,7 @@ static dpt_result read_binary_facet(soup *source, const unsigned char *bytes, si
 static dpt_result read_binary(soup *source, const unsigned char *bytes, size_t size)
 {
     DPT_TRY(check_length(source, bytes, size));
-    size_t facets = (size - HEADER_BYTES) / FACET_BYTES;
+    const size_t facets = load_u32(bytes + 80);
     for (size_t i = 0; i < facets; i++) {
         if (i % PROGRESS_STRIDE == 0)
             DPT_TRY(compile_report_progress(source->context, "read", (double)i / (double)facets));
@@ -413,10 +416,20 @@ static dpt_result read_solid(source_text *text, soup *source, const char *begin)
     }
 }
 
+static int is_at_solid(source_text text)
+{
+    source_word word;
+    return text_next_word(&text, &word) && word_is_any_case(&word, "solid");
+}
+
 static dpt_result read_ascii(source_text *text, soup *source)
 {
     const char *begin = text->at;
     while (text_seek_word(text)) {
+        if (text->at > begin && !is_at_solid(*text)) {
+            compile_note(text->context, text_location(text), "text follows the last solid: left out");
+            return DPT_OK;
+        }
         DPT_TRY(expect_keyword(text, "solid"));
         DPT_TRY(read_solid(text, source, begin));
         text_next_line(text);

@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * The side of a plane is the sign of a determinant in double, with Shewchuk's error bounds (1997): (7 + 56 e) e times
- * the sum of the absolute values of all products for a volume, (3 + 16 e) e for an area, where e = 2^-53. Here both are
- * taken as 8 e. Products of three floats neither underflow nor overflow in double.
- */
+/* The side of a plane is the sign of a determinant (exact_sign.h). */
 #include "compile/triangle_pair.h"
 
-#define ROUNDING 0x1p-50
+#include "compile/exact_sign.h"
 
 /*
  * Units of work: about how many pairs on one side of each other's plane take as long as a test within a plane, or as an
@@ -14,34 +10,6 @@
  */
 #define PLANE_WORK 4u
 #define EXACT_WORK 16u
-
-enum { UNSURE = 2 };
-
-/* A sum without rounding error, as terms whose bits do not overlap, from the smallest to the largest. */
-struct exact_sum {
-    double terms[48];
-    int count;
-};
-
-static void exact_sum_add(struct exact_sum *sum, double value)
-{
-    int count = 0;
-    for (int i = 0; i < sum->count; i++) {
-        const double term = sum->terms[i], total = value + term, virtually = total - value;
-        const double rest = (value - (total - virtually)) + (term - virtually);
-        if (rest != 0.0)
-            sum->terms[count++] = rest;
-        value = total;
-    }
-    if (value != 0.0)
-        sum->terms[count++] = value;
-    sum->count = count;
-}
-
-static int exact_sum_sign(const struct exact_sum *sum)
-{
-    return sum->count == 0 ? 0 : sum->terms[sum->count - 1] > 0.0 ? 1 : -1;
-}
 
 /*
  * Add a * b * c exactly; all three hold floats' values. a * b has 48 bits and is exact. It is split into two halves,
@@ -74,11 +42,6 @@ static int exact_volume_sign(vec3 p, vec3 q, vec3 r, vec3 x)
     return exact_sum_sign(&sum);
 }
 
-static int sign_or_unsure(double value, double bound)
-{
-    return value > bound ? 1 : value < -bound ? -1 : bound == 0.0 ? 0 : UNSURE;
-}
-
 void facet_finish(struct facet *facet)
 {
     const vec3 p = facet->corner[0].position;
@@ -88,7 +51,7 @@ void facet_finish(struct facet *facet)
 }
 
 /*
- * For each corner of `other`, the side of the facet's plane: 1 in front, -1 behind, 0 in the plane, or UNSURE. A common
+ * For each corner of `other`, the side of the facet's plane: 1 in front, -1 behind, 0 in the plane, or SIGN_UNSURE. A common
  * vertex lies in the plane.
  */
 static void find_sides(const struct facet *facet, const struct facet *other, int side[3])
@@ -97,9 +60,10 @@ static void find_sides(const struct facet *facet, const struct facet *other, int
     for (int k = 0; k < 3; k++) {
         const uint32_t vertex = other->corner[k].vertex;
         const vec3 w = sub(other->corner[k].position, own[0].position);
-        side[k] = vertex == own[0].vertex || vertex == own[1].vertex || vertex == own[2].vertex
-                      ? 0
-                      : sign_or_unsure(dot(facet->normal, w), ROUNDING * dot(facet->normal_magnitude, magnitude_of(w)));
+        side[k] =
+            vertex == own[0].vertex || vertex == own[1].vertex || vertex == own[2].vertex
+                ? 0
+                : sign_or_unsure(dot(facet->normal, w), SIGN_ROUNDING * dot(facet->normal_magnitude, magnitude_of(w)));
     }
 }
 
@@ -107,7 +71,7 @@ static void resolve_sides(const struct facet *facet, const struct facet *other, 
 {
     const struct corner *own = facet->corner;
     for (int k = 0; k < 3; k++)
-        if (side[k] == UNSURE) {
+        if (side[k] == SIGN_UNSURE) {
             side[k] = exact_volume_sign(own[0].position, own[1].position, own[2].position, other->corner[k].position);
             *work += EXACT_WORK;
         }
@@ -121,7 +85,7 @@ static int any_is(const int side[3], int value)
 /* Given the sides of a triangle's corners: does its interior surely have no point in the plane? */
 static int is_beside(const int side[3])
 {
-    return !any_is(side, UNSURE) && any_is(side, 1) != any_is(side, -1);
+    return !any_is(side, SIGN_UNSURE) && any_is(side, 1) != any_is(side, -1);
 }
 
 /* Do all corners of `other` lie beyond an edge of the facet, for certain? */
@@ -133,8 +97,8 @@ static int edge_separates(const struct facet *facet, int edge, const struct face
     double max_own = -HUGE_VAL, min_other = HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         const vec3 w = sub(facet->corner[k].position, from), x = sub(other->corner[k].position, from);
-        max_own = max_of(max_own, dot(out, w) + ROUNDING * dot(size, magnitude_of(w)));
-        min_other = min_of(min_other, dot(out, x) - ROUNDING * dot(size, magnitude_of(x)));
+        max_own = max_of(max_own, dot(out, w) + SIGN_ROUNDING * dot(size, magnitude_of(w)));
+        min_other = min_of(min_other, dot(out, x) - SIGN_ROUNDING * dot(size, magnitude_of(x)));
     }
     return min_other > max_own;
 }
@@ -156,23 +120,16 @@ static double coordinate(vec3 v, int axis)
 static int area_sign(vec3 p, vec3 q, vec3 r, int axis, uint64_t *work)
 {
     const vec3 points[3] = { p, q, r };
-    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-    double x[3], y[3];
+    double x[3][2];
     for (int k = 0; k < 3; k++) {
-        x[k] = coordinate(points[k], i);
-        y[k] = coordinate(points[k], j);
+        x[k][0] = coordinate(points[k], (axis + 1) % 3);
+        x[k][1] = coordinate(points[k], (axis + 2) % 3);
     }
-    const double product_a = (x[1] - x[0]) * (y[2] - y[0]), product_b = (y[1] - y[0]) * (x[2] - x[0]);
-    const int sign = sign_or_unsure(product_a - product_b, ROUNDING * (fabs(product_a) + fabs(product_b)));
-    if (sign != UNSURE)
+    const int sign = turn_or_unsure(x[0], x[1], x[2]);
+    if (sign != SIGN_UNSURE)
         return sign;
-    struct exact_sum sum = { .count = 0 };
-    for (int k = 0; k < 3; k++) {
-        exact_sum_add(&sum, x[k] * y[(k + 1) % 3]);
-        exact_sum_add(&sum, -y[k] * x[(k + 1) % 3]);
-    }
     *work += EXACT_WORK;
-    return exact_sum_sign(&sum);
+    return exact_turn(x[0], x[1], x[2]);
 }
 
 /* For two triangles in one plane: does no corner of `other` lie on the inner side of this edge? */
@@ -209,8 +166,8 @@ static int volume_sign(const struct corner *p, const struct corner *q, const str
     if (p->vertex == r->vertex || p->vertex == x->vertex || q->vertex == r->vertex || q->vertex == x->vertex)
         return 0;
     const vec3 u = sub(q->position, p->position), v = sub(r->position, p->position), w = sub(x->position, p->position);
-    const int sign = sign_or_unsure(dot(cross(u, v), w), ROUNDING * dot(cross_magnitude(u, v), magnitude_of(w)));
-    if (sign != UNSURE)
+    const int sign = sign_or_unsure(dot(cross(u, v), w), SIGN_ROUNDING * dot(cross_magnitude(u, v), magnitude_of(w)));
+    if (sign != SIGN_UNSURE)
         return sign;
     *work += EXACT_WORK;
     return exact_volume_sign(p->position, q->position, r->position, x->position);
@@ -250,7 +207,7 @@ int facets_cut(const struct facet *a, const struct facet *b, uint64_t *work)
     find_sides(b, a, side_a);
     if (is_beside(side_a))
         return 0;
-    if (any_is(side_a, UNSURE) || any_is(side_b, UNSURE)) {
+    if (any_is(side_a, SIGN_UNSURE) || any_is(side_b, SIGN_UNSURE)) {
         *work += PLANE_WORK;
         if (are_separate(a, b))
             return 0;

@@ -68,7 +68,9 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
 {
     memcpy(mesh->magic, MESH_MAGIC, sizeof mesh->magic);
     mesh->byte_order = MESH_BYTE_ORDER;
-    mesh->version = model->cell_count ? MESH_VERSION : MESH_VERSION_PLAIN;
+    const double *origin = source->origin;
+    const int is_moved = origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0;
+    mesh->version = is_moved || model->cell_count ? MESH_VERSION : MESH_VERSION_PLAIN;
     mesh->header_bytes = mesh_header_bytes(mesh->version);
     mesh->section_count = mesh_section_count(mesh->version);
     mesh->writer_version = DPT_VERSION_NUMBER;
@@ -81,7 +83,7 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
     mesh->dropped_degenerate = model->dropped_degenerate;
     mesh->dropped_duplicate = model->dropped_duplicate;
     mesh->unused_vertices = model->unused_vertices;
-    mesh->concave_polygons = soup_concave_polygons(source);
+    mesh->concave_polygons = source->concave_polygons;
     mesh->open_edges = model->open_edges;
     mesh->nonmanifold_edges = model->nonmanifold_edges;
     mesh->wrong_way_edges = model->wrong_way_edges;
@@ -110,6 +112,7 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
                               .stable_step = model->stable_step,
                               .cell_size = model->cell_size,
                               .cells = model->cell_count };
+    memcpy(tail.origin, origin, sizeof tail.origin);
     memcpy(tail.self_intersection, model->self_intersection, sizeof model->self_intersection);
     if (mesh->version == MESH_VERSION)
         mesh->tail = tail;
@@ -296,11 +299,11 @@ static void seal_sections(void *context, size_t first, size_t end)
 
 static void seal_header(struct dpt_mesh *mesh, const struct crc32 *crc)
 {
-    const size_t bytes = mesh->header_bytes;
-    int swap = !host_is_little();
+    const int swap = !host_is_little();
+    const uint32_t size = mesh->header_bytes;
     if (swap)
         mesh_swap_header(mesh, mesh->version);
-    uint32_t sum = crc32_of(crc, mesh, bytes);
+    uint32_t sum = crc32_of(crc, mesh, size);
     if (swap)
         mesh_swap4(&sum, 1);
     mesh->header_crc32 = sum;
@@ -366,7 +369,7 @@ dpt_result model_write(const struct model *model, soup *source, uint64_t source_
     out->size = (size_t)mesh->bytes;
     crc32_init(&writing.crc);
     parallel_for(threads, out->size, SECTION_MIN, seal_sections, &writing);
-    const size_t header_bytes = mesh->header_bytes;
+    const uint32_t header_bytes = mesh->header_bytes;
     seal_header(mesh, &writing.crc);
     memcpy(bytes, mesh, header_bytes);
     out->bytes = bytes;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "dynpoint/host.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,11 +11,12 @@
 #include "base/sized.h"
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
-#include "host/host_error.h"
-#include "host/host_file.h"
+#include "host/host_embed.h"
 #include "host/host_session.h"
-#include "host/scene_record.h"
 #include "loop_line.h"
+#include "scene/host_error.h"
+#include "scene/host_file.h"
+#include "scene/scene_record.h"
 
 /* The device of a loop that is the caller's: it has the sample of this tick, and takes its wrench. */
 struct outside {
@@ -31,12 +33,17 @@ struct dpt_host {
     dpt_host_felt_fn *felt;
     void *user;
     struct scene_record record;
+    struct host_embed embed;
+    char *embedding;    /* path of the recording that will carry it; NULL: none */
     dpt_device *device; /* NULL: ticks are the caller's */
     dpt_loop *loop;
     struct outside outside;
     struct loop_line_def line_def;
     struct loop_line line;
 };
+
+/* What texts call a scene that is the caller's. */
+#define OWN_SCENE "dpt_host_def"
 
 void dpt_host_def_defaults(dpt_host_def *def, size_t size)
 {
@@ -98,11 +105,42 @@ static int is_within(double value, double min, double max)
     return isnan(value) || (value >= min && value <= max);
 }
 
+static int is_segment(const dpt_segment *segment)
+{
+    int is_good = segment->radius >= 0.0 && segment->radius <= DPT_COORDINATE_MAX;
+    for (int k = 0; k < 3; k++)
+        is_good &= fabs(segment->a[k]) <= DPT_COORDINATE_MAX && fabs(segment->b[k]) <= DPT_COORDINATE_MAX;
+    return is_good;
+}
+
+/* What is the caller's own, in place of what a scene has. */
+static dpt_result check_own(const dpt_host_def *def, dpt_host_error *error)
+{
+    if (!def->scene == !def->body_count)
+        return host_refuse(error, DPT_E_ARGUMENT, "a scene is needed, or bodies, and not both");
+    if (!def->bodies != !def->body_count || def->body_count > DPT_ARM_BODIES_MAX)
+        return host_refuse(error, DPT_E_ARGUMENT, "bodies must be 1 to %d", DPT_ARM_BODIES_MAX);
+    if (!def->segments != !def->segment_count || def->segment_count > DPT_ARM_SEGMENTS_MAX)
+        return host_refuse(error, DPT_E_ARGUMENT, "segments must be 1 to %d", DPT_ARM_SEGMENTS_MAX);
+    for (uint32_t i = 0; i < def->segment_count; i++)
+        if (!is_segment(&def->segments[i]))
+            return host_refuse(error, DPT_E_ARGUMENT, "segments[%u]: it is not within 1e6 m", (unsigned)i);
+    if (def->segment_count && (def->tool || !isnan(def->length) || !isnan(def->radius)))
+        return host_refuse(error, DPT_E_ARGUMENT,
+                           "segments are in place of a tool, and of a stylus with length and radius");
+    if (def->record && (def->body_count || def->segment_count))
+        return host_refuse(error, DPT_E_UNSUPPORTED,
+                           "record: a replay makes a scene by its name; bodies and segments have none");
+    return !(def->flags & DPT_HOST_FLAG_EMBED) || def->record
+               ? DPT_OK
+               : host_refuse(error, DPT_E_ARGUMENT, "DPT_HOST_FLAG_EMBED needs record");
+}
+
 /* What no later call looks at. */
 static dpt_result check_def(const dpt_host_def *def, dpt_host_error *error)
 {
     const uint32_t flags = DPT_HOST_FLAG_UNSTABLE | DPT_HOST_FLAG_ACTIVE | DPT_HOST_FLAG_CONTACTS |
-                           DPT_HOST_FLAG_REOPEN | DPT_HOST_FLAG_AWAKE;
+                           DPT_HOST_FLAG_REOPEN | DPT_HOST_FLAG_AWAKE | DPT_HOST_FLAG_EMBED;
     const struct {
         const char *name;
         double value, min, max;
@@ -114,9 +152,9 @@ static dpt_result check_def(const dpt_host_def *def, dpt_host_error *error)
                     { "force_scale", def->force_scale, 1e-3, 1000.0, 1 },
                     { "length", def->length, 0.0, 10.0, 1 },
                     { "radius", def->radius, 0.0, 1.0, 1 },
+                    { "gravity", def->gravity, 0.0, 1000.0, 0 },
                     { "force_max", def->force_max, 0.0, 1000.0, 1 } };
-    if (!def->scene)
-        return host_refuse(error, DPT_E_ARGUMENT, "a scene is needed");
+    DPT_TRY(check_own(def, error));
     if (def->flags & ~flags || (def->law != DPT_NONE && def->law > DPT_LAW_PROXY) ||
         (def->clutch != DPT_NONE && def->clutch > 31))
         return host_refuse(error, DPT_E_ARGUMENT, "flags, law or clutch are none of those that there are");
@@ -135,11 +173,37 @@ static dpt_result check_def(const dpt_host_def *def, dpt_host_error *error)
     return DPT_OK;
 }
 
+static dpt_result read_tips(struct scene_def *def, const dpt_host_def *from, dpt_host_error *error)
+{
+    struct tip_shapes *tips = &def->tips;
+    for (; from->tips && from->tips[tips->count]; tips->count++) {
+        if (tips->count == TIP_SHAPES_MAX)
+            return host_refuse(error, DPT_E_ARGUMENT, "tips must be %d at most", TIP_SHAPES_MAX);
+        DPT_TRY(tip_shape_parse(&tips->shape[tips->count], "tips", from->tips[tips->count], error));
+    }
+    return from->jaw ? jaw_motion_read(&def->jaw, "jaw", from->jaw, error) : DPT_OK;
+}
+
+static dpt_result load_embedded(dpt_host *host, const dpt_host_def *from, dpt_host_error *error)
+{
+    const size_t size = strlen(from->record) + 1;
+    host->embedding = malloc(size);
+    if (!host->embedding)
+        return host_refuse(error, DPT_E_MEMORY, "memory ran out");
+    memcpy(host->embedding, from->record, size);
+    return host_embed_load(&host->embed, &host->scene, from->record, error);
+}
+
 static dpt_result open_scene_of(dpt_host *host, const dpt_host_def *from, dpt_host_error *error)
 {
     struct scene_def *def = &host->scene;
     scene_def_init(def, "");
-    def->path = from->scene;
+    def->path = from->scene ? from->scene : OWN_SCENE;
+    def->bodies = from->bodies;
+    def->body_count = from->body_count;
+    def->gravity = from->gravity;
+    def->segments = from->segments;
+    def->segment_count = from->segment_count;
     def->tool = from->tool;
     memcpy(def->origin, from->origin, sizeof def->origin);
     def->has_origin = !isnan(from->origin[0]) && !isnan(from->origin[1]) && !isnan(from->origin[2]);
@@ -151,10 +215,13 @@ static dpt_result open_scene_of(dpt_host *host, const dpt_host_def *from, dpt_ho
     def->physics = from->physics;
     def->force.friction = from->friction;
     def->force.damping = from->damping;
+    DPT_TRY(read_tips(def, from, error));
     DPT_TRY(scene_def_read(def, error));
     DPT_TRY(scene_def_complete(def, from->law == DPT_NONE ? NULL : &from->law, error));
     if ((def->force.friction > 0.0 || def->force.damping > 0.0) && def->force.law != DPT_LAW_PROXY)
         return host_refuse(error, DPT_E_ARGUMENT, "friction and damping are for the law proxy");
+    if (from->flags & DPT_HOST_FLAG_EMBED)
+        DPT_TRY(load_embedded(host, from, error));
     host->has_scene = 1;
     return scene_open(&host->session.scene, def, error);
 }
@@ -273,7 +340,7 @@ static dpt_result open_host(dpt_host *host, const dpt_host_def *def, dpt_host_er
     DPT_TRY(open_device_of(host, def, &info, error));
     if (def->rate == 0.0 && !(info.rate >= 1.0 && info.rate <= 1e5))
         return host_refuse(error, DPT_E_ARGUMENT, "the device's rate must be 1 to 100000 Hz");
-    DPT_TRY(host_session_couple(&host->session, &settings, &info, def->scene, error));
+    DPT_TRY(host_session_couple(&host->session, &settings, &info, host->scene.path, error));
     DPT_TRY(host->device ? open_loop(host, def) : open_line(host, &info));
     return def->record ? open_recording(host, def, device_name(host, def), error) : DPT_OK;
 }
@@ -286,12 +353,12 @@ dpt_result dpt_host_open(const dpt_host_def *given, dpt_host **out, dpt_host_err
         *out = NULL;
     if (error)
         DPT_TRY(sized_check(error, sizeof *error, 0));
-    if (!given || !out)
-        return DPT_E_ARGUMENT;
     dpt_host_def_init(&def);
-    DPT_TRY(sized_read(given, sizeof def, &def, sizeof def));
-    dpt_host *host = calloc(1, sizeof *host);
-    const dpt_result result = host ? open_host(host, &def, &own) : DPT_E_MEMORY;
+    dpt_result result =
+        given && out ? sized_read(given, SIZED_FIRST(dpt_host_def, tips), &def, sizeof def) : DPT_E_ARGUMENT;
+    dpt_host *host = result == DPT_OK ? calloc(1, sizeof *host) : NULL;
+    if (result == DPT_OK)
+        result = host ? open_host(host, &def, &own) : DPT_E_MEMORY;
     if (result != DPT_OK && !own.code)
         host_refuse(&own, result, "%s", dpt_result_text(result));
     if (result == DPT_OK)
@@ -307,7 +374,10 @@ dpt_result dpt_host_close(dpt_host *host, dpt_host_error *error)
 {
     dpt_host_error own = { .size = sizeof own };
     const dpt_result room = error ? sized_check(error, sizeof *error, 0) : DPT_OK;
-    const dpt_result result = host ? scene_record_close(&host->record, &own) : DPT_OK;
+    const int is_recorded = host && host->record.recorder;
+    dpt_result result = host ? scene_record_close(&host->record, &own) : DPT_OK;
+    if (result == DPT_OK && is_recorded && host->embedding)
+        result = host_embed_write(&host->embed, host->embedding, &own);
     if (error && room == DPT_OK)
         sized_write(error, sized_of(error), &own, sizeof own);
     if (!host)
@@ -317,6 +387,8 @@ dpt_result dpt_host_close(dpt_host *host, dpt_host_error *error)
     if (host->has_scene)
         scene_close(&host->session.scene);
     scene_def_free(&host->scene);
+    host_embed_free(&host->embed);
+    free(host->embedding);
     free(host);
     return result == DPT_OK ? room : result;
 }
@@ -326,9 +398,8 @@ dpt_result dpt_host_run(dpt_host *host, dpt_loop_stats *stats, dpt_host_error *e
     dpt_host_error own = { .size = sizeof own };
     if (error)
         DPT_TRY(sized_check(error, sizeof *error, 0));
-    if (!host || !host->loop)
-        return DPT_E_ARGUMENT;
-    dpt_result result = host_session_start(&host->session, &own);
+    dpt_result result = host && host->loop ? host_session_start(&host->session, &own)
+                                           : host_refuse(&own, DPT_E_ARGUMENT, "the host has no device");
     if (result == DPT_OK) {
         result = dpt_loop_run(host->loop, stats);
         host_session_stop(&host->session);
@@ -372,6 +443,22 @@ dpt_result dpt_host_tick(dpt_host *host, const dpt_device_state *state, uint64_t
     return taken == DPT_OK ? result : taken;
 }
 
+/* Add to `text` that the device had stopped itself, and why. */
+static void add_stop(const struct host_counts *counts, uint64_t ticks, char *text, size_t room)
+{
+    size_t used = strlen(text);
+    const char *between = " (";
+    if (!counts->stopped)
+        return;
+    used += (size_t)snprintf(text + used, room - used,
+                             "%sthe device had stopped itself on %" PRIu64 " of %" PRIu64 " ticks", used ? "; " : "",
+                             counts->stopped, ticks);
+    for (uint32_t left = counts->reasons; left && used < room; left &= left - 1, between = ", ")
+        used += (size_t)snprintf(text + used, room - used, "%s%s", between, dpt_device_reason_name(left));
+    if (used < room)
+        snprintf(text + used, room - used, "%s, and gave no force", counts->reasons ? ")" : "");
+}
+
 dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
 {
     dpt_host_info info = { .size = sizeof info };
@@ -404,6 +491,7 @@ dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
         info.depth_max = counts->depth_max;
         info.force_max = counts->force_max;
         scene_trouble_text(&counts->trouble, &session->scene, info.trouble);
+        add_stop(counts, session->scene.ticks, info.trouble, sizeof info.trouble);
     }
     sized_write(out, sized_of(out), &info, sizeof info);
     return host ? DPT_OK : DPT_E_ARGUMENT;
@@ -411,10 +499,16 @@ dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
 
 dpt_world *dpt_host_get_world(const dpt_host *host)
 {
-    return host ? host->session.scene.world : NULL;
+    return host ? host->session.scene.stage.world : NULL;
 }
 
 dpt_tool dpt_host_get_tool(const dpt_host *host)
 {
-    return host ? host->session.scene.tool : 0;
+    return host ? host->session.scene.stage.tool : 0;
+}
+
+dpt_body dpt_host_get_body(const dpt_host *host, uint32_t index)
+{
+    const struct scene_bodies *bodies = host ? &host->session.scene.bodies : NULL;
+    return bodies && index < bodies->count ? bodies->body[index].id : 0;
 }

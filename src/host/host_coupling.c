@@ -5,7 +5,8 @@
 
 #include "base/return_if_error.h"
 #include "base/vec3.h"
-#include "host/tool_spread.h"
+#include "scene/setting_words.h"
+#include "scene/tool_spread.h"
 
 /* What counts for the tool's turns: its segments, then the axes of its tips. Returns how many there are. */
 static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
@@ -23,34 +24,39 @@ static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)
     return segments + scene->tips.count;
 }
 
-/* The tool's root mean squared distance from its centre, and how far that is from the pose's origin. */
-static void measure_tool(const struct scene *scene, double *rho, double *lever)
+/* rho is the root mean squared distance from the tool's centre, the lever how far that is from the pose's origin. */
+struct coupled_tool host_coupled_tool(const struct scene *scene)
 {
     dpt_segment parts[DPT_ARM_SEGMENTS_MAX + SCENE_TIPS_MAX];
     double centre[3];
     const uint32_t count = list_parts(scene, parts);
-    *rho = tool_spread(parts, count, centre);
-    *lever = vec3_length(centre);
+    struct coupled_tool tool = { .zoom = scene->zoom,
+                                 .force_scale = scene->force_scale,
+                                 .damping = scene->force.damping };
+    tool.rho = tool_spread(parts, count, centre);
+    tool.lever = vec3_length(centre);
+    return tool;
 }
 
 static void say_why(const struct scene *scene, const dpt_coupling *coupling, double asked, dpt_host_error *error)
 {
     const char *which = scene->zoom != 1.0 || scene->force_scale != 1.0 ? " of the scene" : "";
     const char *by_rotation = coupling->limit == DPT_COUPLING_ROTATION ? ", as its rotation is weaker" : "";
+    const char *unstable = setting_names_for(scene->command)->unstable;
     switch (coupling->limit) {
     case DPT_COUPLING_STABILITY:
     case DPT_COUPLING_ROTATION:
         if (coupling->delay_needed > 0.0)
             host_note(error,
                       "%g N/m%s need T/2 + t_d <= %.3g ms; this device has %.3g. It is held by %.4g "
-                      "N/m%s (--unstable takes %g all the same)",
+                      "N/m%s (%s takes %g all the same)",
                       asked, which, 1e3 * coupling->delay_needed, 1e3 * coupling->delay, coupling->stiffness,
-                      by_rotation, asked);
+                      by_rotation, unstable, asked);
         else
             host_note(error,
-                      "%.4g N/m instead of %g%s: this device holds no more, however short its delay%s (--unstable "
+                      "%.4g N/m instead of %g%s: this device holds no more, however short its delay%s (%s "
                       "takes %g all the same)",
-                      coupling->stiffness, asked, which, by_rotation, asked);
+                      coupling->stiffness, asked, which, by_rotation, unstable, asked);
         break;
     case DPT_COUPLING_STEP:
         host_note(error, "%.4g N/m instead of %g: the device's steps would be felt", coupling->stiffness, asked);
@@ -61,26 +67,27 @@ static void say_why(const struct scene *scene, const dpt_coupling *coupling, dou
     case DPT_COUPLING_UNKNOWN:
         host_note(error,
                   "%.4g N/m instead of %g: the device's mass and damping are not known. Measure "
-                  "them: dynpoint device identify (--unstable takes %g all the same)",
-                  coupling->stiffness, asked, asked);
+                  "them: dynpoint device identify (%s takes %g all the same)",
+                  coupling->stiffness, asked, unstable, asked);
         break;
     default:
         break;
     }
 }
 
-static dpt_coupling_def coupling_def_of(const struct scene *scene, const dpt_device_info *device,
+static dpt_coupling_def coupling_def_of(const struct coupled_tool *tool, const dpt_device_info *device,
                                         const struct coupling_options *options)
 {
     dpt_coupling_def def;
     dpt_coupling_def_init(&def);
     dpt_device_fill_coupling(device, &def);
-    measure_tool(scene, &def.rho, &def.lever);
+    def.rho = tool->rho;
+    def.lever = tool->lever;
     def.rate = options->rate;
     def.loop_delay = options->loop_delay;
-    def.zoom = scene->zoom;
-    def.force_scale = scene->force_scale;
-    def.tool_damping = scene->force.damping;
+    def.zoom = tool->zoom;
+    def.force_scale = tool->force_scale;
+    def.tool_damping = tool->damping;
     def.gain_margin = options->gain_margin;
     def.stiffness = isnan(options->stiffness) ? 0.0 : options->stiffness;
     return def;
@@ -94,10 +101,10 @@ static dpt_result find_coupling(const dpt_coupling_def *def, dpt_coupling *coupl
                             : host_refuse(error, result, "no coupling for this device: %s", dpt_result_text(result));
 }
 
-dpt_result host_coupling_find(const struct scene *scene, const dpt_device_info *device,
+dpt_result host_coupling_find(const struct coupled_tool *tool, const dpt_device_info *device,
                               const struct coupling_options *options, dpt_coupling *coupling, dpt_host_error *error)
 {
-    const dpt_coupling_def def = coupling_def_of(scene, device, options);
+    const dpt_coupling_def def = coupling_def_of(tool, device, options);
     return find_coupling(&def, coupling, error);
 }
 
@@ -140,7 +147,8 @@ dpt_result host_coupling_choose(struct scene *scene, const dpt_device_info *devi
                                 const struct coupling_options *options, dpt_coupling *coupling, dpt_host_error *error)
 {
     const int is_asked = !isnan(options->stiffness);
-    dpt_coupling_def def = coupling_def_of(scene, device, options);
+    const struct coupled_tool tool = host_coupled_tool(scene);
+    dpt_coupling_def def = coupling_def_of(&tool, device, options);
     DPT_TRY(find_coupling(&def, coupling, error));
     if (!is_asked && scene->force.law == DPT_LAW_PROXY && !scene->planned)
         DPT_TRY(hold_upright(&def, coupling, error));

@@ -4,7 +4,7 @@
 #define DPT_HOST_COUPLING_H
 
 #include "dynpoint/coupling.h"
-#include "host/scene.h"
+#include "scene/scene.h"
 
 /* From a sample to its command, by the clock: the deadline's phase behind the sample, and the tick's own time. */
 #define HOST_LOOP_DELAY_PERIODS 0.25
@@ -17,8 +17,18 @@ struct coupling_options {
     int is_unstable;   /* the stiffness counts, whatever the device can hold */
 };
 
+/* What counts of a tool, and of how it is moved. */
+struct coupled_tool {
+    double rho, lever; /* m: as in dpt_coupling_def */
+    double zoom, force_scale;
+    double damping; /* of its spring, Ns/m */
+};
+
+/* That of a scene that was opened. */
+struct coupled_tool host_coupled_tool(const struct scene *scene);
+
 /* The coupling that these options ask for, or the stiffest that holds. */
-dpt_result host_coupling_find(const struct scene *scene, const dpt_device_info *device,
+dpt_result host_coupling_find(const struct coupled_tool *tool, const dpt_device_info *device,
                               const struct coupling_options *options, dpt_coupling *coupling, dpt_host_error *error);
 
 /*

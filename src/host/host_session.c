@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "base/return_if_error.h"
+#include "scene/setting_words.h"
 
 /*
  * The default budget in units of work a second (docs/drivers.md has the time of a unit), and its minimum a tick: with
@@ -70,7 +71,8 @@ dpt_result host_session_couple(struct host_session *session, const struct host_s
                                                               : (uint32_t)settings->budget;
     scene->shows_contacts = settings->shows_contacts || scene->force.law != DPT_LAW_PROXY;
     if (scene->physics_rate > 0.0 && !is_by_clock)
-        DPT_TRY(scene_physics_check_loop(scene->physics_rate, device->rate, error));
+        DPT_TRY(scene_physics_check_loop(setting_names_for(scene->command)->physics, scene->physics_rate, device->rate,
+                                         error));
     DPT_TRY(host_coupling_choose(scene, device, &coupling, &session->coupling, error));
     DPT_TRY(scene_make_world(scene, device, session->budget, error));
     DPT_TRY(scene_bodies_check_step(&scene->bodies, path,
@@ -81,6 +83,36 @@ dpt_result host_session_couple(struct host_session *session, const struct host_s
         session->guard.force_max = settings->force_max;
     if (!settings->is_active)
         observe(session, device);
+    return DPT_OK;
+}
+
+static dpt_passivity_def passivity_of_text(const struct scene_text *text)
+{
+    dpt_passivity_def def;
+    dpt_passivity_def_init(&def);
+    def.damping = text->passive_damping;
+    def.spin_damping = text->passive_spin_damping;
+    def.force_max = text->passive_force_max;
+    def.torque_max = text->passive_torque_max;
+    def.force_slew = text->passive_force_slew;
+    def.torque_slew = text->passive_torque_slew;
+    def.delay = text->passive_delay;
+    return def;
+}
+
+dpt_result host_session_restore(struct host_session *session, const struct scene_text *text, dpt_host_error *error)
+{
+    const dpt_device_info device = { .size = sizeof device,
+                                     .flags = (uint32_t)text->device_flags,
+                                     .pose_dofs = (uint32_t)text->pose_dofs,
+                                     .wrench_dofs = (uint32_t)text->wrench_dofs,
+                                     .joints = (uint32_t)text->joints };
+    const dpt_passivity_def passivity = passivity_of_text(text);
+    struct scene *scene = &session->scene;
+    session->budget = (uint32_t)text->budget;
+    scene->sweep_budget = (uint32_t)text->sweep_budget;
+    DPT_TRY(scene_make_world(scene, &device, session->budget, error));
+    scene_passivity_begin(&scene->passivity, text->passivity ? &passivity : NULL);
     return DPT_OK;
 }
 
@@ -96,25 +128,26 @@ void host_session_text(const struct host_session *session, const struct scene_de
 dpt_result host_session_start(struct host_session *session, dpt_host_error *error)
 {
     struct scene *scene = &session->scene;
-    if (!scene->physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC ||
-        scene_physics_start(scene->physics, session->rate) == DPT_OK)
+    if (!scene->stage.physics || scene->device.flags & DPT_DEVICE_FLAG_DETERMINISTIC ||
+        scene_physics_start(scene->stage.physics, session->rate) == DPT_OK)
         return DPT_OK;
-    return host_refuse(error, DPT_E_SYSTEM, "--physics: there is no thread for it");
+    return host_refuse(error, DPT_E_SYSTEM, "%s: there is no thread for it",
+                       setting_names_for(scene->command)->physics);
 }
 
 void host_session_stop(struct host_session *session)
 {
-    scene_physics_stop(session->scene.physics);
+    scene_physics_stop(session->scene.stage.physics);
 }
 
 static void count_puts(struct host_puts *puts, const struct scene *scene)
 {
-    dpt_force_info force = { .size = sizeof force };
-    if (scene->force.law != DPT_LAW_PROXY || dpt_tool_get_force_info(scene->world, scene->tool, &force) != DPT_OK)
+    const dpt_force_info *force = &scene->force_info;
+    if (scene->force.law != DPT_LAW_PROXY)
         return;
-    puts->squeezed += force.reason == DPT_FORCE_INSIDE && (force.flags & DPT_FORCE_FLAG_SQUEEZED);
-    puts->turned += (force.flags & DPT_FORCE_FLAG_REPLACED) != 0;
-    puts->inside += force.reason == DPT_FORCE_INSIDE || force.reason == DPT_FORCE_UNDECIDED;
+    puts->squeezed += force->reason == DPT_FORCE_INSIDE && (force->flags & DPT_FORCE_FLAG_SQUEEZED);
+    puts->turned += (force->flags & DPT_FORCE_FLAG_REPLACED) != 0;
+    puts->inside += force->reason == DPT_FORCE_INSIDE || force->reason == DPT_FORCE_UNDECIDED;
 }
 
 static void count(struct host_session *session, const dpt_loop_sample *sample, const dpt_wrench *wrench)
@@ -141,6 +174,7 @@ dpt_result host_session_feel(struct host_session *session, const dpt_loop_sample
     const dpt_result result = scene_feel(scene, sample, wrench);
     scene_trouble_note(&session->counts.trouble, scene, sample, result);
     session->counts.clutched += (uint64_t)scene->is_clutched;
+    session->counts.stopped += sample->state->status == DPT_DEVICE_STATUS_FAULT;
     if (result == DPT_OK)
         count(session, sample, wrench);
     return result;

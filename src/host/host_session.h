@@ -5,9 +5,9 @@
 
 #include "dynpoint/guard.h"
 #include "host/host_coupling.h"
-#include "host/scene.h"
-#include "host/scene_text.h"
-#include "host/scene_trouble.h"
+#include "scene/scene.h"
+#include "scene/scene_text.h"
+#include "scene/scene_trouble.h"
 
 /* A budget: 3000 units a tick at 1 kHz, in proportion to the period, so that a tick keeps within one. */
 #define HOST_BUDGET_BY_RATE UINT64_MAX
@@ -30,6 +30,7 @@ struct host_puts {
 /* What the ticks count. Begin with zeros. */
 struct host_counts {
     uint64_t contacts, penetrating, unknown, clutched;
+    uint64_t stopped; /* ticks in which the device had stopped itself */
     uint32_t reasons; /* why the device was not ready, DPT_REASON_... */
     double depth_max; /* m */
     double force_max; /* N at the hand, before the guard */
@@ -58,6 +59,12 @@ dpt_result host_device_end_fault(dpt_device *device, const char *name, dpt_host_
  */
 dpt_result host_session_couple(struct host_session *session, const struct host_settings *settings,
                                const dpt_device_info *device, const char *path, dpt_host_error *error);
+
+/*
+ * Of a scene that was opened as a recording's text says, instead of host_session_couple: the world and the controller that
+ * there were, without a guard. Fields of the text are in range.
+ */
+dpt_result host_session_restore(struct host_session *session, const struct scene_text *text, dpt_host_error *error);
 
 /*
  * Before and after a loop: the thread of physics at a rate of its own, unless the device has a time of its own, by which

@@ -23,7 +23,7 @@
 #define MESH_BYTE_ORDER         0x01020304u
 #define MESH_BYTE_ORDER_SWAPPED 0x04030201u
 #define MESH_VERSION            7u
-#define MESH_VERSION_PLAIN      6u /* what a file without cells that have a term for their volume is written as */
+#define MESH_VERSION_PLAIN      6u /* of a mesh that was not moved, and without cells that have a term for their volume */
 #define MESH_ALIGN              64u
 #define MESH_LEVELS_MAX         8u /* 16^8 leaves are more than 2^32 triangles fill */
 
@@ -49,6 +49,9 @@
 
 /* Rounding: how far the square of the stable step may exceed what the file's own numbers allow. */
 #define MESH_STEP_ROUNDING 1e-5
+
+/* How far from the source's origin that of a moved mesh may be, m. */
+#define MESH_ORIGIN_MAX 1e9
 
 /* Codes in place of a neighbour over an edge. */
 #define MESH_EDGE_OPEN UINT32_MAX
@@ -135,7 +138,7 @@ struct mesh_section {
 
 /*
  * What follows the section table: nothing in version 1, four words in version 2, up to the crease in version 3, up to
- * self_intersection in version 4, up to outside_distance in version 5, up to the stable step in version 6.
+ * self_intersection in version 4, up to outside_distance in version 5, up to stable_step in version 6.
  */
 struct mesh_tail {
     uint32_t solid_components;
@@ -159,6 +162,7 @@ struct mesh_tail {
     double spring_mass;               /* kg, of all nodes as if none were fixed */
     double poisson;                   /* Poisson's ratio of the net; 0 if it is not known */
     double stable_step;               /* s: of symplectic Euler without damping (springs.md) */
+    double origin[3];                 /* m: what was taken off the scaled source's coordinates */
     double cell_size;                 /* m; 0 without cells */
     uint64_t cells;                   /* of a lattice, with a term for their volume; else 0 */
 };
@@ -225,7 +229,7 @@ static inline size_t mesh_tail_bytes(uint32_t version)
            : version == 3 ? offsetof(struct mesh_tail, self_intersections)
            : version == 4 ? offsetof(struct mesh_tail, nodes)
            : version == 5 ? offsetof(struct mesh_tail, spring_nodes)
-           : version == 6 ? offsetof(struct mesh_tail, cell_size)
+           : version == 6 ? offsetof(struct mesh_tail, origin)
                           : sizeof(struct mesh_tail);
 }
 

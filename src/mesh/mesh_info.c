@@ -58,6 +58,7 @@ dpt_result dpt_mesh_get_info(const dpt_mesh *mesh, dpt_mesh_info *info)
         .stable_step = tail.stable_step,
     };
     memcpy(own.self_intersection, tail.self_intersection, sizeof own.self_intersection);
+    memcpy(own.origin, tail.origin, sizeof own.origin);
     memcpy(own.box_min, mesh->box_min, sizeof own.box_min);
     memcpy(own.box_max, mesh->box_max, sizeof own.box_max);
     sized_write(info, info->size, &own, sizeof own);

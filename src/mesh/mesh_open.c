@@ -215,6 +215,8 @@ static dpt_result check_numbers(const struct dpt_mesh *mesh, dpt_mesh_fault *fau
         return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, crease)), MESH_HEADER);
     if (!(tail.outside_distance >= 0.0 && tail.outside_distance <= 2.0 * limit))
         return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, outside_distance)), MESH_HEADER);
+    if (!vec3_within(tail.origin, MESH_ORIGIN_MAX))
+        return fail(fault, DPT_E_FINITE, tail_at(mesh, offsetof(struct mesh_tail, origin)), MESH_HEADER);
     return DPT_OK;
 }
 

@@ -21,20 +21,20 @@
  * of the motion than that across the pair. At a concave edge it lets the ball go to where it touches; the pair's plane
  * is that of the edge, and would hold it half way there.
  */
-static int face_plane(const struct proxy_tick *tick, const struct patch_view *view,
+static int face_plane(const struct proxy_tick *tick, const struct patch_side *side,
                       const struct patch_triangle *triangle, vec3 motion, pair *plane, double *distance)
 {
-    const double *weight = triangle->found.weight, radius = view->segment->radius;
+    const double *weight = triangle->found.weight, radius = side->segment->radius;
     vec3 v[3];
     if (!triangle->has_face || (weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0))
         return 0;
-    surface_corners(&view->body->surface, triangle->triangle, v);
+    surface_corners(&side->body->surface, triangle->triangle, v);
     const vec3 face = cross(sub(v[1], v[0]), sub(v[2], v[0]));
     const double size = length(face);
     if (!(size > 0.0))
         return 0;
     vec3 normal = scaled(face, 1.0 / size);
-    double height = dot(normal, sub(view->a, v[0]));
+    double height = dot(normal, sub(side->a, v[0]));
     normal = scaled(normal, height < 0.0 ? -1.0 : 1.0);
     /* Rounding tilts the normal of a sliver: as far as that, its corners may be in front. */
     height = fabs(height) - fabs(dot(normal, sub(v[1], v[0]))) - fabs(dot(normal, sub(v[2], v[0])));
@@ -57,38 +57,40 @@ static int has_twin(const struct proxy_tick *tick, vec3 normal, double gap)
 }
 
 /* The constraint of a ball: one plane. */
-static int hold_ball(struct proxy_tick *tick, struct patch_view *view, struct patch_triangle *triangle, vec3 motion)
+static int hold_ball(struct proxy_tick *tick, const struct patch_side *side, struct patch_triangle *triangle,
+                     vec3 motion)
 {
-    const struct frame *frame = &view->body->frame;
+    const struct frame *frame = &side->body->frame;
     pair plane = triangle->found;
     double distance = sqrt(plane.distance2);
-    face_plane(tick, view, triangle, frame_turn_back(frame, motion), &plane, &distance);
-    const double gap = distance - view->segment->radius;
+    face_plane(tick, side, triangle, frame_turn_back(frame, motion), &plane, &distance);
+    const double gap = distance - side->segment->radius;
     if (has_twin(tick, frame_turn(frame, scaled(plane.gap, 1.0 / distance)), gap))
         return 1;
     if (tick->space_count == HALF_SPACES_MAX)
         return 0;
     triangle->space = (uint16_t)tick->space_count;
     tick->triangles[tick->triangle_count++] =
-        (struct proxy_triangle){ .segment = 0, .body_id = view->body->id, .triangle = triangle->triangle };
-    dpti_proxy_add_plane(tick, tick->triangle_count - 1, view->body, view->a, &plane, distance);
+        (struct proxy_triangle){ .segment = side->number, .body_id = side->body->id, .triangle = triangle->triangle };
+    dpti_proxy_add_plane(tick, tick->triangle_count - 1, side->body, side->a, &plane, distance);
     return 1;
 }
 
 int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i, double reach, vec3 motion)
 {
     struct patch_triangle *triangle = &view->list[i];
+    const struct patch_side *side = patch_side_of(view, triangle);
     dpti_patch_find(tick->world, view, triangle);
     triangle->is_held = 1;
     triangle->space = HALF_SPACES_MAX;
     if (!(triangle->found.distance2 > 0.0))
         return 0;
     if (view->is_ball)
-        return hold_ball(tick, view, triangle, motion);
+        return hold_ball(tick, side, triangle, motion);
     if (tick->space_count + PROXY_GATHERED_MAX > HALF_SPACES_MAX)
         return 0;
     tick->triangles[tick->triangle_count++] =
-        (struct proxy_triangle){ .segment = 0, .body_id = view->body->id, .triangle = triangle->triangle };
+        (struct proxy_triangle){ .segment = side->number, .body_id = side->body->id, .triangle = triangle->triangle };
     dpti_proxy_gather_triangle(tick, tick->triangle_count - 1, reach);
     return 1;
 }
@@ -115,8 +117,9 @@ int dpti_patch_prefer_pairs(struct proxy_tick *tick, struct patch_view *view)
     return 1;
 }
 
-/* A motion that is to be proven. */
+/* A motion that is to be proven, of one side. */
 struct trial {
+    const struct patch_side *side;
     struct patch_way way;
     double moved; /* m: no point of the axis goes farther */
     double kept;  /* m: so far the axis must stay in front of a plane */
@@ -128,15 +131,16 @@ struct trial {
     double met; /* the time at which what was swept past last is met */
 };
 
-static void trial_set(const struct proxy_tick *tick, const struct patch_view *view, const struct proxy_pose *to,
-                      struct trial *trial)
+static void trial_set(const struct proxy_tick *tick, const struct patch_view *view, const struct patch_side *side,
+                      const struct proxy_pose *to, struct trial *trial)
 {
-    const struct frame *body = &view->body->frame;
-    const vec3 a = frame_to_local(body, frame_to_world(&to->frame, view->segment->a));
-    const vec3 b = view->is_ball ? a : frame_to_local(body, frame_to_world(&to->frame, view->segment->b));
-    trial->moved = max_of(length(sub(a, view->a)), length(sub(b, add(view->a, view->u))));
-    trial->kept = view->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance;
-    trial->way = dpti_patch_way(view, a, b, trial->moved + trial->kept);
+    const struct frame *body = &side->body->frame;
+    const vec3 a = frame_to_local(body, frame_to_world(&to->frame, side->segment->a));
+    const vec3 b = view->is_ball ? a : frame_to_local(body, frame_to_world(&to->frame, side->segment->b));
+    trial->side = side;
+    trial->moved = max_of(length(sub(a, side->a)), length(sub(b, add(side->a, side->u))));
+    trial->kept = side->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance;
+    trial->way = dpti_patch_way(side, view->is_ball, a, b, trial->moved + trial->kept);
     trial->is_swept = 0;
     trial->met = 0.0;
     trial->plane_count = tick->solved.active_count;
@@ -147,20 +151,18 @@ static void trial_set(const struct proxy_tick *tick, const struct patch_view *vi
 }
 
 /* Whether a ball stays in front of a triangle's own plane; looked at before the triangle's corners are. */
-static int stays_in_front(const struct patch_view *view, const struct trial *trial,
-                          const struct patch_triangle *triangle)
+static int stays_in_front(const struct trial *trial, const struct patch_triangle *triangle)
 {
-    const double end = dot(triangle->normal, trial->way.a[1]) - triangle->height;
-    return min_of(triangle->gap + view->segment->radius, end) >= trial->kept;
+    const vec3 normal = triangle->normal;
+    return min_of(dot(normal, trial->way.a[0]), dot(normal, trial->way.a[1])) - triangle->height >= trial->kept;
 }
 
 /* Whether planes that hold, or the triangle's own, prove that it is in nobody's way. */
-static int is_behind_plane(const struct patch_view *view, const struct trial *trial,
-                           const struct patch_triangle *triangle)
+static int is_behind_plane(const struct trial *trial, const struct patch_triangle *triangle)
 {
     vec3 v[3];
     double part[2];
-    surface_corners(&view->body->surface, triangle->triangle, v);
+    surface_corners(&trial->side->body->surface, triangle->triangle, v);
     if (!patch_part_beside(&trial->way, v, part) || patch_height(&trial->way, triangle->normal, part, v) >= trial->kept)
         return 1;
     for (uint32_t k = 0; k < trial->plane_count; k++)
@@ -170,27 +172,26 @@ static int is_behind_plane(const struct patch_view *view, const struct trial *tr
 }
 
 /* Prepare to sweep past triangles. */
-static void begin_sweep(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial)
+static void begin_sweep(const struct proxy_tick *tick, struct trial *trial)
 {
     const struct patch_way *way = &trial->way;
     const struct motion motion = { way->a[0], way->b[0], sub(way->a[1], way->a[0]), sub(way->b[1], way->b[0]) };
     if (trial->is_swept)
         return;
     dpti_sweep_begin(&trial->sweep, &motion, trial->kept, SWEPT * tick->clearance,
-                     dpti_surface_extent(&view->body->surface));
+                     dpti_surface_extent(&trial->side->body->surface));
     trial->sweep.directions = trial->down;
     trial->sweep.direction_count = trial->plane_count;
     trial->is_swept = 1;
 }
 
 /* The same by planes of pairs on the way, of a part of the axis at a time; of one that is held by a sweep past it. */
-static int is_swept_free(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
-                         const struct patch_triangle *triangle)
+static int is_swept_free(const struct proxy_tick *tick, struct trial *trial, const struct patch_triangle *triangle)
 {
-    const struct surface *surface = &view->body->surface;
+    const struct surface *surface = &trial->side->body->surface;
     struct moving_triangle still = { .is_moving = 0 };
     uint32_t evaluations = 1;
-    begin_sweep(tick, view, trial);
+    begin_sweep(tick, trial);
     surface_corners(surface, triangle->triangle, still.corner);
     const int is_free = triangle->is_held
                             ? dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE
@@ -203,20 +204,19 @@ static int is_swept_free(const struct proxy_tick *tick, const struct patch_view 
 static int is_known_clear(const struct proxy_tick *tick, const struct patch_view *view, const struct trial *trial,
                           const struct patch_triangle *triangle)
 {
-    return triangle->gap - trial->moved > tick->clearance || (view->is_ball && stays_in_front(view, trial, triangle)) ||
-           is_behind_plane(view, trial, triangle);
+    return triangle->gap - trial->moved > tick->clearance || (view->is_ball && stays_in_front(trial, triangle)) ||
+           is_behind_plane(trial, triangle);
 }
 
 /* How a line is to a triangle at the end of the motion. */
 enum { END_MET, END_CLEAR, END_UNKNOWN };
 
-static int look_at_end(const struct proxy_tick *tick, const struct patch_view *view, const struct trial *trial,
-                       const struct patch_triangle *triangle)
+static int look_at_end(const struct proxy_tick *tick, const struct trial *trial, const struct patch_triangle *triangle)
 {
     const struct patch_way *way = &trial->way;
     double part[2];
     vec3 v[3];
-    surface_corners(&view->body->surface, triangle->triangle, v);
+    surface_corners(&trial->side->body->surface, triangle->triangle, v);
     const pair end = segment_triangle(way->a[1], sub(way->b[1], way->a[1]), v[0], v[1], v[2]);
     work_spend(&tick->world->work, 1);
     if (!(end.distance2 > trial->kept * trial->kept))
@@ -231,27 +231,33 @@ static int is_proven_clear(const struct proxy_tick *tick, const struct patch_vie
                            struct patch_triangle *triangle)
 {
     if (!view->is_ball) {
-        const int end = look_at_end(tick, view, trial, triangle);
+        const int end = look_at_end(tick, trial, triangle);
         /* Of one that is held already, a sweep tells when it is met. */
         if (end == END_CLEAR || (end == END_MET && !triangle->is_held))
             return end == END_CLEAR;
     }
     if (!triangle->is_found) {
         dpti_patch_find(tick->world, view, triangle);
-        if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(view, trial, triangle))
+        if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(trial, triangle))
             return 1;
     }
-    return !view->is_ball && is_swept_free(tick, view, trial, triangle);
+    return !view->is_ball && is_swept_free(tick, trial, triangle);
+}
+
+/* Whether a triangle of the list is one of a side, and no constraint. */
+static int is_open(const struct patch_view *view, uint32_t i, uint32_t side)
+{
+    return view->list[i].side == side && !view->list[i].is_held;
 }
 
 /* Beside a ball: what is in the way joins. It stays in front of the planes that are its constraints. */
-static enum patch_proof prove_ball(struct proxy_tick *tick, struct patch_view *view, struct trial *trial, double reach,
-                                   vec3 motion)
+static enum patch_proof prove_ball(struct proxy_tick *tick, struct patch_view *view, uint32_t side, struct trial *trial,
+                                   double reach, vec3 motion)
 {
     enum patch_proof proof = PATCH_FREE;
     for (uint32_t i = 0; i < view->count; i++) {
         struct patch_triangle *triangle = &view->list[i];
-        if (triangle->is_held || is_known_clear(tick, view, trial, triangle) ||
+        if (!is_open(view, i, side) || is_known_clear(tick, view, trial, triangle) ||
             is_proven_clear(tick, view, trial, triangle))
             continue;
         if (!dpti_patch_hold(tick, view, i, reach, motion))
@@ -272,7 +278,7 @@ static struct doubt doubt_of(const struct patch_view *view, const struct trial *
 {
     double part[2];
     vec3 v[3];
-    surface_corners(&view->body->surface, view->list[i].triangle, v);
+    surface_corners(&trial->side->body->surface, view->list[i].triangle, v);
     patch_part_beside(&trial->way, v, part);
     return (struct doubt){ i, { part[1], 1.0 - part[0], patch_height(&trial->way, view->list[i].normal, part, v) } };
 }
@@ -298,15 +304,15 @@ static uint32_t first_met(struct proxy_tick *tick, struct patch_view *view, stru
     return PATCH_TRIANGLES_MAX;
 }
 
-/* Beside a line, of the triangles of the list from one on: what is in the way joins, a few at a time. */
-static enum patch_proof hold_met(struct proxy_tick *tick, struct patch_view *view, struct trial *trial, uint32_t from,
-                                 double reach, vec3 motion)
+/* Beside a line, of a side's triangles of the list from one on: what is in the way joins, a few at a time. */
+static enum patch_proof hold_met(struct proxy_tick *tick, struct patch_view *view, uint32_t side, struct trial *trial,
+                                 uint32_t from, double reach, vec3 motion)
 {
     struct doubt doubts[PATCH_TRIANGLES_MAX];
     uint32_t count = 0;
     enum patch_proof proof = PATCH_FREE;
     for (uint32_t i = from; i < view->count; i++)
-        if (!view->list[i].is_held && !is_known_clear(tick, view, trial, &view->list[i]))
+        if (is_open(view, i, side) && !is_known_clear(tick, view, trial, &view->list[i]))
             doubts[count++] = doubt_of(view, trial, i);
     for (int k = MEASURES - 1; k >= 0; k--) {
         const uint32_t i = first_met(tick, view, trial, k, doubts, &count);
@@ -319,44 +325,56 @@ static enum patch_proof hold_met(struct proxy_tick *tick, struct patch_view *vie
     return proof;
 }
 
-/*
- * Beside a line. Where nothing that is listed is in the way, the rest of the patch is looked at; where nothing is at all,
- * what is held already.
- */
-static enum patch_proof prove_line(struct proxy_tick *tick, struct patch_view *view, struct trial *trial, double reach,
-                                   vec3 motion)
+/* Beside a line. Where nothing that is listed is in the way, the rest of the patch is looked at. */
+static enum patch_proof prove_line(struct proxy_tick *tick, struct patch_view *view, uint32_t side, struct trial *trial,
+                                   double reach, vec3 motion)
 {
     const uint32_t listed = view->count;
-    enum patch_proof proof = hold_met(tick, view, trial, 0, reach, motion);
-    if (proof == PATCH_FREE && trial->moved + tick->clearance > view->reach) {
-        begin_sweep(tick, view, trial);
-        if (!dpti_patch_list_met(tick->world, view, &trial->sweep)) {
-            trial->met = CROWDED_SHARE;
-            return PATCH_UNPROVEN;
-        }
-        proof = hold_met(tick, view, trial, listed, reach, motion);
+    const enum patch_proof proof = hold_met(tick, view, side, trial, 0, reach, motion);
+    if (proof != PATCH_FREE || trial->moved + tick->clearance <= view->reach)
+        return proof;
+    begin_sweep(tick, trial);
+    if (!dpti_patch_list_met(tick->world, view, side, &trial->sweep)) {
+        trial->met = CROWDED_SHARE;
+        return PATCH_UNPROVEN;
     }
+    return hold_met(tick, view, side, trial, listed, reach, motion);
+}
+
+/* Beside a line, where nothing else is in the way: whether what is held already is not. */
+static enum patch_proof prove_held(struct proxy_tick *tick, struct patch_view *view, uint32_t side, struct trial *trial)
+{
     trial->met = 0.0;
-    for (uint32_t i = 0; i < view->count && proof == PATCH_FREE; i++)
-        if (view->list[i].is_held && !is_known_clear(tick, view, trial, &view->list[i]) &&
+    for (uint32_t i = 0; i < view->count; i++)
+        if (view->list[i].side == side && view->list[i].is_held && !is_known_clear(tick, view, trial, &view->list[i]) &&
             !is_proven_clear(tick, view, trial, &view->list[i]))
-            proof = PATCH_UNPROVEN;
-    return proof;
+            return PATCH_UNPROVEN;
+    return PATCH_FREE;
 }
 
 enum patch_proof dpti_patch_prove(struct proxy_tick *tick, struct patch_view *view, const struct proxy_pose *to,
                                   double reach, double *met)
 {
     const vec3 motion = sub(to->centre, tick->at.centre);
-    struct trial trial;
-    trial_set(tick, view, to, &trial);
+    enum patch_proof proof = PATCH_FREE;
+    struct trial trials[PATCH_SIDES_MAX];
     *met = 0.0;
-    if (trial.moved + tick->clearance > view->covered)
+    if (dpti_patch_moved(view, to) + tick->clearance > view->covered)
         return PATCH_UNPROVEN;
-    if (view->is_ball)
-        return prove_ball(tick, view, &trial, reach, motion);
-    const enum patch_proof proof = prove_line(tick, view, &trial, reach, motion);
-    if (proof == PATCH_UNPROVEN)
-        *met = trial.met;
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        struct trial *trial = &trials[i];
+        trial_set(tick, view, &view->sides[i], to, trial);
+        const enum patch_proof one = view->is_ball ? prove_ball(tick, view, i, trial, reach, motion)
+                                                   : prove_line(tick, view, i, trial, reach, motion);
+        *met = trial->met;
+        if (one == PATCH_CROWDED || one == PATCH_UNPROVEN)
+            return one;
+        if (one == PATCH_ADDED)
+            proof = one;
+    }
+    for (uint32_t i = 0; i < view->side_count && proof == PATCH_FREE && !view->is_ball; i++) {
+        proof = prove_held(tick, view, i, &trials[i]);
+        *met = trials[i].met;
+    }
     return proof;
 }

@@ -43,32 +43,35 @@ static double farthest(const struct proxy_tick *tick)
 }
 
 /* Whether the proxy remembers a triangle: it held it or was hit. */
-static int is_remembered(const struct proxy *proxy, const struct patch_view *view, uint32_t triangle)
+static int is_remembered(const struct proxy *proxy, const struct patch_side *side, uint32_t triangle)
 {
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == view->body->id)
+        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == side->body->id &&
+            proxy->memory[i].segment == side->number)
             return 1;
     return 0;
 }
 
 /*
- * Hold what a line begins with: those near that the proxy remembers, and the nearest where it is nearer than these. A
- * line that lies on a surface is held by its ends; what touches it between these would hold it as well, but at one
- * place.
+ * Hold what a line begins with at a side: those near that the proxy remembers, and the nearest where it is nearer than
+ * these. A line that lies on a surface is held by its ends; what touches it between these would hold it as well, but at
+ * one place.
  */
-static int hold_along(struct proxy_tick *tick, struct patch_view *view, double reach, vec3 hint)
+static int hold_along(struct proxy_tick *tick, struct patch_view *view, uint32_t number, double reach, vec3 hint)
 {
+    const struct patch_side *side = &view->sides[number];
     double least = HUGE_VAL;
     for (uint32_t i = 0; i < view->count; i++) {
         const struct patch_triangle *triangle = &view->list[i];
-        if (!triangle->is_found || triangle->gap > view->near || !is_remembered(tick->proxy, view, triangle->triangle))
+        if (triangle->side != number || !triangle->is_found || triangle->gap > view->near ||
+            !is_remembered(tick->proxy, side, triangle->triangle))
             continue;
         if (!dpti_patch_hold(tick, view, i, reach, hint))
             return 0;
         least = min_of(least, triangle->gap);
     }
-    return view->list[view->nearest].gap > least - AS_NEAR * tick->clearance ||
-           dpti_patch_hold(tick, view, view->nearest, reach, hint);
+    return view->list[side->nearest].gap > least - AS_NEAR * tick->clearance ||
+           dpti_patch_hold(tick, view, side->nearest, reach, hint);
 }
 
 /* Look around, and begin with what is nearest: others join where those that hold the tool do not hold it off them. */
@@ -77,16 +80,19 @@ static int look(struct proxy_tick *tick, struct patch_view *view, double reach, 
     tick->space_count = tick->triangle_count = 0;
     if (!dpti_patch_look(tick, view, reach))
         return 0;
-    if (view->nearest == PATCH_TRIANGLES_MAX)
-        return 1;
-    return view->is_ball ? dpti_patch_hold(tick, view, view->nearest, reach, hint)
-                         : hold_along(tick, view, reach, hint);
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        const uint32_t nearest = view->sides[i].nearest;
+        if (nearest != PATCH_TRIANGLES_MAX && !(view->is_ball ? dpti_patch_hold(tick, view, nearest, reach, hint)
+                                                              : hold_along(tick, view, i, reach, hint)))
+            return 0;
+    }
+    return 1;
 }
 
-/* The nearest pair at tick->at, as searches leave it: what the view tells; where nothing is near, a search does. */
-static void settle(struct proxy_tick *tick, const struct patch_view *view)
+/* The nearest pairs at tick->at, as searches leave them: what the view tells; where nothing is near, a search does. */
+static void settle(struct proxy_tick *tick, const struct patch_view *view, int is_known)
 {
-    if (tick->world->body_slot_end > UNLISTED_BODIES_MAX || !dpti_patch_answer(tick, view))
+    if (!is_known || tick->world->body_slot_end > UNLISTED_BODIES_MAX || !dpti_patch_answer(tick, view))
         dpti_proxy_find_nearest(tick);
 }
 
@@ -110,6 +116,15 @@ struct patch_motion {
     int is_to_goal;
 };
 
+/* Whether nothing holds the tool. Friction that did not settle may leave a solution that nothing holds, but short. */
+static int is_free(const struct proxy_tick *tick, const double *wanted)
+{
+    for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
+        if (tick->solved.y[k] != wanted[k])
+            return 0;
+    return tick->solved.active_count == 0;
+}
+
 /* The pose to which the solution leads, by motions not longer than `longest`, m. aims_at_goal: it is of the whole way. */
 static void choose(struct proxy_tick *tick, const struct patch_view *view, const double *wanted, double longest,
                    int aims_at_goal, struct patch_motion *motion)
@@ -122,7 +137,7 @@ static void choose(struct proxy_tick *tick, const struct patch_view *view, const
     } else {
         motion->to = dpti_solved_correct(tick, wanted, motion->straight, longest, &motion->share);
     }
-    motion->is_to_goal = aims_at_goal && tick->solved.active_count == 0 && motion->share == 1.0;
+    motion->is_to_goal = aims_at_goal && motion->share == 1.0 && is_free(tick, wanted);
     if (motion->is_to_goal)
         motion->to = tick->goal;
 }
@@ -173,7 +188,7 @@ static int make(struct proxy_tick *tick, const struct patch_view *view, struct p
         tick->at = motion->to;
         tick->proxy->trust = HUGE_VAL;
     } else {
-        settle(tick, view);
+        settle(tick, view, 1);
         motion->share *= dpti_proxy_move(tick, &motion->to, &met);
     }
     if (!(motion->share > 0.0))
@@ -241,22 +256,72 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
                                                                                              : MOTION_NONE;
 }
 
+/* How a tick began, before the tool went with a body. */
+struct start {
+    struct proxy_pose at;
+    double gap, allowed;
+    double carried; /* m: so far it went */
+    int is_before;
+};
+
+/* m: the length of the way from one pose to another. */
+static double way_between(const struct proxy_tick *tick, const struct proxy_pose *from, const struct proxy_pose *to)
+{
+    const struct displacement way = dpti_proxy_displacement(tick->proxy, from, to);
+    return displacement_norm(&tick->proxy->coupling, &way);
+}
+
+static void go_back(struct proxy_tick *tick, const struct start *start, double *allowed)
+{
+    tick->at = start->at;
+    tick->gap = start->gap;
+    tick->is_before = start->is_before;
+    tick->is_lost = 1;
+    *allowed = start->allowed;
+}
+
+/*
+ * Where bodies have moved, the tool goes with the nearest one: in that one's frame it stays where it is, and follows the
+ * device from there. Returns 0, and nothing is changed, where another body may be in the way, or no way back is allowed.
+ */
+static int carry(struct proxy_tick *tick, const struct body *body, double *allowed, struct start *start)
+{
+    *start = (struct start){ tick->at, tick->gap, *allowed, 0.0, tick->is_before };
+    if (!tick->is_before)
+        return 1;
+    if (tick->has_end || !dpti_proxy_carry_alone(tick, body))
+        return 0;
+    start->carried = way_between(tick, &start->at, &tick->at);
+    *allowed -= start->carried;
+    if (start->carried <= *allowed)
+        return 1;
+    go_back(tick, start, allowed);
+    return 0;
+}
+
 int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
 {
     struct proxy *proxy = tick->proxy;
     struct patch_view view;
+    struct start start;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    if (tick->gap - length(way.shift) - proxy->extent * length(way.turn) > tick->clearance ||
-        !dpti_patch_begin(tick, &view))
+    const double free = tick->gap - length(way.shift) - proxy->extent * length(way.turn);
+    if ((!tick->is_before && free > tick->clearance) || !dpti_patch_begin(tick, &view) ||
+        !carry(tick, view.body, allowed, &start))
         return 0;
     const double ahead = proxy->shape == PROXY_BALL ? LOOK_AHEAD : LOOK_AHEAD_LINE;
-    double reach = ahead * proxy->last_motion + view.near;
+    double reach = ahead * max_of(proxy->last_motion, start.carried) + view.near;
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {
         const int result = follow_once(tick, allowed, &reach, &view);
+        if (result == MOTION_NONE && start.is_before && !tick->is_moved)
+            go_back(tick, &start, allowed);
         if (result == MOTION_NONE)
             return 0;
+        /* The first motion may lead back. */
+        if (i == 0 && start.carried > 0.0)
+            *allowed = max_of(0.0, start.allowed - way_between(tick, &start.at, &tick->at));
         tick->is_settled = result == MOTION_DONE;
         if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance)
             break;
@@ -264,8 +329,6 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     if (!tick->is_moved)
         dpti_patch_leave(&view);
     /* The last constraints are kept. */
-    if (!tick->is_settled && !dpti_patch_look(tick, &view, view.near))
-        view.nearest = PATCH_TRIANGLES_MAX;
-    settle(tick, &view);
+    settle(tick, &view, tick->is_settled || dpti_patch_look(tick, &view, view.near));
     return 1;
 }

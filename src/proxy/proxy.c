@@ -2,7 +2,7 @@
 #include "proxy/proxy.h"
 
 #include "base/quaternion.h"
-#include "proxy/proxy_patch.h"
+#include "proxy/patch_sides.h"
 #include "track/tool_parts.h"
 
 enum { BYTES_PROXY = 1584 };
@@ -36,8 +36,7 @@ void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
         return;
     struct proxy *proxy = proxy_of(world, tool);
     *proxy = (struct proxy){ .length = proxy->length, .radius = proxy->radius };
-    for (uint32_t i = 0; i < tool->segment_count; i++)
-        dpti_patch_forget(&world->patches[tool->first_segment + i]);
+    dpti_patches_forget(world, tool);
 }
 
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle)

@@ -301,6 +301,29 @@ static dpt_pose carried_pose(const struct proxy_tick *tick, const struct body *b
     return pose;
 }
 
+int dpti_proxy_carry_alone(struct proxy_tick *tick, const struct body *body)
+{
+    const struct dpt_world *world = tick->world;
+    struct proxy_pose to = tick->at;
+    if (body_has_moved(world, body) && body->motion_bound > 0.0) {
+        const dpt_pose pose = carried_pose(tick, body);
+        to = dpti_proxy_pose_of(tick->proxy, &pose);
+    }
+    for (uint32_t i = 0; i < tool_part_count(tick->tool); i++) {
+        const struct part part = tool_part(world, tick->tool, i);
+        const struct box box = dpti_part_box(part, &tick->at.frame);
+        const double reach = part_radius(part) + part_motion(tick, part, &to) + tick->clearance;
+        for (uint32_t slot = 0; slot < world->body_slot_end; slot++)
+            if (&world->bodies[slot] != body && is_in_reach(tick, slot, &box, reach))
+                return 0;
+    }
+    tick->at = to;
+    tick->gap = min_of(tick->gap, tick->clearance);
+    tick->is_before = 0;
+    tick->is_lost = 1;
+    return 1;
+}
+
 /*
  * Move with a body, as if fixed to it: it need not be swept itself. With no other body near, its gap stays as it was.
  */

@@ -25,4 +25,10 @@ double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, dou
  */
 int dpti_proxy_carry(struct proxy_tick *tick);
 
+/*
+ * While tick->is_before: the same with one body, which may also have stayed where it was, if no other one can be near on
+ * the way. Nearest pairs belong to another pose then.
+ */
+int dpti_proxy_carry_alone(struct proxy_tick *tick, const struct body *body);
+
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The patch of surface round a proxy: docs/algorithms/patch.md. All triangles of one body within reach of the tool's
- * axis, found once in many ticks; and what a tick makes of them.
+ * The patches of surface round a proxy: docs/algorithms/patch.md. All triangles of one body within reach of one segment's
+ * axis, found once in many ticks; and what a tick makes of them, of all segments and bodies together.
  */
 #ifndef DPT_PROXY_PATCH_H
 #define DPT_PROXY_PATCH_H
@@ -11,16 +11,27 @@
 
 enum { PATCH_BLOCKS = 4, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
 
-/* The leaves, with their boxes as children of a node of their own. Kept from tick to tick; one a segment. */
+/* A segment has patches of so many bodies; so many segments a tool may have, and pairs of a segment and a body near it. */
+enum { PATCH_BODIES = 2, PATCH_AXES_MAX = 8, PATCH_SIDES_MAX = 8 };
+
+/* An axis in the frame of a body. */
+struct patch_place {
+    vec3 a, u;
+    uint32_t body_id; /* 0: none */
+    uint32_t reserved;
+};
+
+/* The leaves, with their boxes as children of a node of their own. Kept from tick to tick. */
 struct proxy_patch {
-    vec3 a, b;             /* the axis about which it lies, in the body's frame */
-    vec3 still_a, still_u; /* the axis where a tick found nothing to do, or no list: it was left to searches there */
-    double reach;          /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
-    uint32_t body_id;      /* the body, which does not deform */
-    uint32_t count;        /* of leaves */
-    uint32_t crowded;      /* no list could be made: it is tried again after so many motions */
-    uint32_t is_off;       /* 1: it is not used, as a test wants */
-    double spare;          /* what was found beside what was asked for, as a multiple of the reach */
+    vec3 a, b;        /* the axis about which it lies, in the body's frame */
+    double reach;     /* m: each triangle that near to that axis is in one of the leaves; 0: there is no patch */
+    double spare;     /* what was found beside what was asked for, as a multiple of the reach */
+    uint32_t body_id; /* the body, which does not deform */
+    uint32_t count;   /* of leaves */
+    /* Of a tool's first one: where a tick found nothing to do, or no list, and left the tool to searches. */
+    struct patch_place still;    /* of the tool's first segment */
+    uint32_t crowded;            /* no list could be made: it is tried again after so many motions */
+    uint32_t is_off;             /* 1: none of the tool's is used, as a test wants */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
     float box[PATCH_BLOCKS][MESH_BOX_WORDS];
 };
@@ -36,55 +47,74 @@ struct patch_triangle {
     uint16_t is_held;  /* it has a constraint */
     uint16_t has_face; /* which may be its own plane */
     uint16_t space;    /* the number of the constraint; HALF_SPACES_MAX: a neighbour has the same */
+    uint16_t side;     /* of which it is */
 };
 
-/* A tick's view of the patch. */
-struct patch_view {
+/* A segment of the tool. */
+struct patch_axis {
+    struct segment *segment;
+    vec3 a, b; /* in the world, at tick->at */
+};
+
+/* A segment beside a body. */
+struct patch_side {
     struct proxy_patch *patch;
     struct segment *segment;
     const struct body *body;
-    int is_ball;
-    int is_listed;         /* motions stay within the list: beside a ball, and of a line with friction */
-    uint32_t most;         /* triangles in the list */
-    vec3 world_a, world_b; /* the axis at tick->at */
-    vec3 a, u;             /* in the body's frame */
-    double near;           /* m: the nearest pair is looked for up to that gap */
-    double reach;          /* m: no triangle outside of the list has a gap below that */
-    double covered;        /* m: the same of triangles outside of the patch, and of other bodies */
-    double wished;         /* m: the longest reach that was asked for in this tick */
-    double room;           /* m: a longer reach had no room in the patch in this tick */
-    uint32_t count;
-    uint32_t nearest;              /* in the list; PATCH_TRIANGLES_MAX: none that near */
+    uint32_t number;               /* of the segment */
+    uint32_t nearest;              /* in the list; PATCH_TRIANGLES_MAX: none that is near */
+    vec3 a, u;                     /* the axis in the body's frame */
+    double moved;                  /* m: no point of it has moved farther since the last look */
     uint32_t listed[PATCH_LEAVES]; /* of each leaf, the lanes that are in the list */
+};
+
+/* A tick's view of the patches. */
+struct patch_view {
+    struct proxy_patch *first; /* of the tool */
+    const struct body *body;   /* the nearest when the tick began */
+    int is_ball;
+    int is_made;    /* there is a list */
+    int is_listed;  /* motions stay within the list: beside a ball, and of a line with friction */
+    double near;    /* m: the nearest pairs are looked for up to that gap */
+    double reach;   /* m: no triangle outside of the list has a gap below that */
+    double covered; /* m: the same of triangles outside of the patches, and of other bodies */
+    double wished;  /* m: the longest reach that was asked for in this tick */
+    double room;    /* m: a longer reach had no room in the patches in this tick */
+    uint32_t axis_count, side_count, count;
+    struct patch_axis axes[PATCH_AXES_MAX];
+    struct patch_side sides[PATCH_SIDES_MAX];
     struct patch_triangle list[PATCH_TRIANGLES_MAX];
 };
+
+static inline const struct patch_side *patch_side_of(const struct patch_view *view,
+                                                     const struct patch_triangle *triangle)
+{
+    return &view->sides[triangle->side];
+}
 
 /* Units of work that a look or a proof may take, so that it is not begun with less. */
 enum { PATCH_WORK = 512 };
 
-/* Its share of dpt_world_bytes. */
-uint64_t dpti_patch_bytes(const dpt_world_def *def);
-
-/* Begin anew, as if it had never been used. */
-void dpti_patch_forget(struct proxy_patch *patch);
-
-/* Whether the tick may work with the patch: of one segment, held by one body at rest. Begins the view. */
+/* Whether the tick may work with patches: of a tool without tips, held by a rigid body. Begins the view. */
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
 
 /*
  * The triangles round tick->at, those with a gap up to `reach` m, or to less where there are too many; none has a
- * constraint. Beside a line the list may have less than the patch, which has all up to view->covered. tick->gap becomes
+ * constraint. Beside a line the list may have less than the patches, which have all up to view->covered. tick->gap becomes
  * the nearest one's, or what is proven of it. Returns 0 if they have no room, or the work does not suffice.
  */
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach);
 
 /*
- * Beside a line: list what a motion may meet beyond the list's reach, and within the patch. Returns 0 if there is no
- * room.
+ * Beside a line: list what its motion may meet of one side beyond the list's reach, and within the patch. Returns 0 if
+ * there is no room.
  */
-int dpti_patch_list_met(struct dpt_world *world, struct patch_view *view, const struct sweep *sweep);
+int dpti_patch_list_met(struct dpt_world *world, struct patch_view *view, uint32_t side, const struct sweep *sweep);
 
-/* Find a triangle's nearest pair with the view's axis, and the plane across it. */
+/* m: no point of the tool's segments is farther from where the view has it at a pose, the ends on straight lines. */
+double dpti_patch_moved(const struct patch_view *view, const struct proxy_pose *to);
+
+/* Find a triangle's nearest pair with its side's axis, and the plane across it. */
 void dpti_patch_find(struct dpt_world *world, const struct patch_view *view, struct patch_triangle *triangle);
 
 /* Where the axis is at the start and at the end of a straight motion, in the body's frame. */
@@ -95,8 +125,8 @@ struct patch_way {
     double spare;  /* m: no point of the axis that is so far beside a triangle, along x at the start, can be near it */
 };
 
-/* The way from where the view's axis is. */
-struct patch_way dpti_patch_way(const struct patch_view *view, vec3 to_a, vec3 to_b, double spare);
+/* The way from where the axis of a side is. */
+struct patch_way dpti_patch_way(const struct patch_side *side, int is_ball, vec3 to_a, vec3 to_b, double spare);
 
 /* The part of the axis, as shares of it, that can be near a triangle. Returns 0 if there is none. */
 static inline int patch_part_beside(const struct patch_way *way, const vec3 v[3], double part[2])
@@ -125,7 +155,7 @@ static inline double patch_height(const struct patch_way *way, vec3 normal, cons
 /* The tick has made no motion. While the tool is there, it is not worth a look: what is known there serves as well. */
 void dpti_patch_leave(struct patch_view *view);
 
-/* The nearest pair at tick->at becomes the segment's answer. Returns 0 if there is none in the view. */
+/* The nearest pairs at tick->at become the segments' answers. Returns 0 if the view does not have those of all. */
 int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view);
 
 #endif

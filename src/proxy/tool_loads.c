@@ -88,11 +88,12 @@ static void note_rigid(const struct dpt_world *world, struct tool *tool, vec3 at
 }
 
 /* The point of the body's surface, in its frame, that is nearest to a point in the world. */
-static vec3 on_surface(const struct body *body, uint32_t triangle, vec3 at)
+static vec3 on_surface(const struct dpt_world *world, const struct body *body, uint32_t triangle, vec3 at)
 {
+    const struct surface surface = surface_view(&body->surface, world_coming_tick(world), 0.0);
     pair nearest;
-    dpti_triangle_point_pair(&body->surface, triangle, frame_to_local(&body->frame, at), &nearest);
-    return surface_point(&body->surface, triangle, nearest.weight);
+    dpti_triangle_point_pair(&surface, triangle, frame_to_local(&body->frame, at), &nearest);
+    return surface_point(&surface, triangle, nearest.weight);
 }
 
 /* A deformable body is pushed at a point, in its frame. */
@@ -126,7 +127,7 @@ static vec3 push_point(struct dpt_world *world, struct tool *tool, const struct 
             note_rigid(world, tool, at, force);
         return at;
     }
-    const vec3 touched = on_surface(body, triangle, at);
+    const vec3 touched = on_surface(world, body, triangle, at);
     const struct load_point point = {
         .triangle = triangle, .at = touched, .middle = touched, .force = frame_turn_back(&body->frame, force)
     };
@@ -152,7 +153,8 @@ void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, const stru
         return;
     }
     const struct load_place place = { .segment = push->part, .source = body->surface.sources[push->triangle] };
-    const vec3 at = on_surface(body, push->triangle, push->at), normal = frame_turn_back(&body->frame, push->normal);
+    const vec3 at = on_surface(world, body, push->triangle, push->at),
+               normal = frame_turn_back(&body->frame, push->normal);
     const struct load_point point = { .triangle = push->triangle,
                                       .is_narrow = push->is_narrow,
                                       .at = at,

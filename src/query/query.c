@@ -12,6 +12,8 @@
 #define PAIR_COORDINATE_MAX 1e60
 #define PAIR_LENGTH_MIN     1e-60
 
+#define SEGMENTS_MAX ((size_t)INT32_MAX)
+
 static int pair_is_usable(const double *segment, const double *triangle)
 {
     return segment && triangle && vec3_within(segment, PAIR_COORDINATE_MAX) &&
@@ -125,6 +127,8 @@ dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const 
         return mesh ? DPT_OK : DPT_E_ARGUMENT;
     if (!mesh || !ends || !hits)
         return DPT_E_ARGUMENT;
+    if (n > SEGMENTS_MAX)
+        return DPT_E_LIMIT;
     DPT_TRY(sized_check(hits, sizeof *hits, 1));
     const uint32_t size = hits[0].size;
     DPT_TRY(prepare(&query, mesh, pose, n, def));
@@ -142,7 +146,7 @@ dpt_result dpt_query_segments(const dpt_mesh *mesh, const dpt_pose *pose, const 
 /* ---- hulls and ranges ---- */
 
 static dpt_result place_mesh(const dpt_mesh *mesh, const dpt_pose *pose, struct surface *surface, struct kernel *kernel,
-                          struct frame *body)
+                             struct frame *body)
 {
     uint32_t chosen;
     if (!dpti_kernel_get(DPT_KERNEL_ALWAYS, kernel, &chosen))

@@ -41,6 +41,10 @@ struct tissue_tool {
     double end[TOUCH_DIMENSIONS];    /* to where it was at the end of the last substep */
     double known[TOUCH_DIMENSIONS];  /* to where it would be with the pushes that are known, of friction that slides */
     double felt[TOUCH_DIMENSIONS];   /* from the device to its end pose: the mean of all substeps */
+    uint32_t is_pushed;              /* something pushes it */
+    uint32_t is_held;                /* and it has not turned too far from its device to be held there */
+    dpt_pose last_end;               /* the proxy's before the step, if that is undone */
+    struct displacement last_end_motion;
 };
 
 /* A node that a touch loads. */
@@ -113,7 +117,8 @@ struct held_touch {
 
 struct tissue_solve {
     const struct dpt_world *world;
-    double dt;        /* s, of the whole step */
+    double dt;        /* s, of the tick */
+    double step;      /* s, of what is stepped of it: less where no tool could follow the whole */
     struct work work; /* of the whole step */
     uint32_t body_count;
     uint32_t tool_count;

@@ -36,10 +36,10 @@ static double ahead_of(const struct tissue_solve *solve, const struct tissue_bod
     const int is_euler = body->step.springs->def.integrator == DPT_INTEGRATOR_EULER;
     uint32_t substeps = 1;
     for (uint32_t b = 0; b < solve->body_count; b++) {
-        const uint32_t own = dpti_springs_substeps_of(solve->bodies[b].step.springs, solve->dt);
+        const uint32_t own = dpti_springs_substeps_of(solve->bodies[b].step.springs, solve->step);
         substeps = own > substeps ? own : substeps;
     }
-    return solve->dt * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
+    return solve->step * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
 }
 
 /* The touches of a tool and the bodies of the solve, or the other bodies. */
@@ -201,64 +201,6 @@ static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int i
     proxy->is_sliding = from->is_sliding != 0;
 }
 
-/* rad: a tool that friction has turned farther from its device lets go there. */
-#define TURN_MAX 1.0
-
-/*
- * m: how far the tool's surface moves at a touch from one pose to another. The axis goes where it goes, along an arc; about
- * it the tool rolls on the surface, by as much as it turns.
- */
-static vec3 rolled(const struct tissue_solve *solve, uint32_t index, const struct tissue_tool *tool,
-                   const struct proxy_pose *from, const struct proxy_pose *to)
-{
-    const struct touch *touch = &solve->touches.touch[index];
-    const struct part part = tool_part(solve->world, &solve->world->tools[tool->slot], touch->part);
-    const double radius = part_radius(part) + dpti_proxy_clearance(solve->world);
-    const vec3 axis = frame_to_local(&tool->at.frame, along(touch->at, radius + touch->gap, touch->normal));
-    const vec3 turn = quaternion_rotation_vector(quaternion_product(to->turn, quaternion_inverse(from->turn)));
-    const vec3 moved = sub(frame_to_world(&to->frame, axis), frame_to_world(&from->frame, axis));
-    return sub(moved, cross(turn, scaled(touch->normal, radius + solve->links[index].depth)));
-}
-
-/* What turns add to the way of touches along the surface beyond what their rows tell: a tool that sticks would creep. */
-static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool *from, const struct proxy_pose *last,
-                     const struct proxy_pose *end)
-{
-    vec3 sum = { 0.0, 0.0, 0.0 };
-    double pushes = 0.0;
-    for (uint32_t r = 0; r < solve->rub_count; r++) {
-        const uint32_t touch = solve->rubs[r].touch, row = tissue_row_of_rub(solve, r);
-        const double push = solve->multiplier[touch];
-        if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
-            continue;
-        const vec3 moved = rolled(solve, touch, from, last, end);
-        for (uint32_t d = 0; d < 2; d++) {
-            double told = 0.0;
-            for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-                told += solve->rows[row + d].lever[k] * (from->end[k] - from->begin[k]);
-            sum = along(sum, push * (dot(moved, solve->rows[row + d].along) - told), solve->rows[row + d].along);
-        }
-        pushes += push;
-    }
-    return pushes > 0.0 ? scaled(sum, 1.0 / pushes) : sum;
-}
-
-/* Where the tool is at the end of the step, for the next one. Where friction holds it, its proxy follows it. */
-static void note_end(const struct tissue_solve *solve, const struct tissue_tool *from, const struct tool *tool,
-                     struct proxy *proxy)
-{
-    struct displacement way = dpti_proxy_of_unknowns(proxy, from->axes, from->end);
-    const struct displacement felt = dpti_proxy_of_unknowns(proxy, from->axes, from->felt);
-    const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
-    struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
-    way.shift = sub(way.shift, creep_of(solve, from, &last, &end));
-    end = dpti_proxy_moved(proxy, &from->at, &way);
-    const int is_held = tool->force_reason == DPT_FORCE_ACTS && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
-    proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);
-    proxy->end = is_held ? end.pose : tool->pose;
-    note_rubs(from, proxy, is_held);
-}
-
 /* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
 static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world, const struct tissue_tool *from)
 {
@@ -317,7 +259,7 @@ void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world)
     for (uint32_t t = 0; t < solve->tool_count; t++) {
         struct tool *tool = &world->tools[solve->tools[t].slot];
         set_wrench(solve, world, &solve->tools[t]);
-        note_end(solve, &solve->tools[t], tool, proxy_of(world, tool));
+        note_rubs(&solve->tools[t], proxy_of(world, tool), (int)solve->tools[t].is_held);
     }
     dpti_spread_note(solve);
     note_repeats(solve, world);
@@ -347,98 +289,4 @@ void dpti_tissue_tell_again(struct tissue_solve *solve, struct dpt_world *world)
         note_rubs(&solve->tools[t], proxy_of(world, tool), tool->force_reason == DPT_FORCE_ACTS);
     }
     solve->tick = world->ticks;
-}
-
-/* ---- the end of a step ---- */
-
-/*
- * How often a tool gives way there, and m: how near surfaces are looked at, beyond the last turn's way. Then how many times
- * longer than what is missing a turn may be: between walls that are almost parallel it would go far.
- */
-enum { ROOM_TURNS = 4 };
-#define ROOM_REACH   2e-5
-#define ROOM_LONGEST 50.0
-
-/* A newton along one touch moves the tool alone. */
-static void give_lever(void *user, uint32_t index, uint32_t first, double *column)
-{
-    const struct touches *touches = user;
-    for (uint32_t i = first; i < touches->count; i++) {
-        column[i] = 0.0;
-        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-            column[i] += touches->touch[index].row[k] * touches->touch[i].row[k];
-    }
-}
-
-/* The least motion, as unknowns, that leaves no gap below 0. Returns its length, m. */
-static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIMENSIONS])
-{
-    const struct touches *touches = &solve->room;
-    struct complementarity *problem = &solve->problem;
-    for (uint32_t i = 0; i < touches->count; i++)
-        solve->free_gap[i] = touches->touch[i].gap;
-    problem->count = touches->count;
-    problem->active_count = problem->matrix = 0;
-    problem->kind = NULL;
-    problem->column = give_lever;
-    problem->user = &solve->room;
-    problem->work = NULL;
-    dpti_complementarity_solve(problem);
-    memset(unknowns, 0, TOUCH_DIMENSIONS * sizeof *unknowns);
-    for (uint32_t a = 0; a < problem->active_count; a++)
-        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-            unknowns[k] += problem->multiplier[a] * touches->touch[problem->active[a]].row[k];
-    return norm_of(unknowns, TOUCH_DIMENSIONS);
-}
-
-/* All touches of a tool at a pose. Returns the least gap, m. */
-static double gather_at(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
-                        const struct proxy_pose *at, double reach)
-{
-    struct touch_search search = {
-        .world = world, .tool = tool, .proxy = proxy_of(world, tool), .at = at, .reach = reach, .work = &solve->work
-    };
-    double least = HUGE_VAL;
-    solve->room.count = 0;
-    for (uint32_t i = 0; i < world->body_slot_end; i++) {
-        search.body = &world->bodies[i];
-        if (body_is_there(search.body))
-            dpti_touches_gather(&search, &solve->room);
-    }
-    for (uint32_t i = 0; i < solve->room.count; i++)
-        least = min_of(least, solve->room.touch[i].gap);
-    return least;
-}
-
-/* A tool's end gives way to what is nearer than a half of the clearance, as long as that makes it better. */
-static void make_room(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool)
-{
-    struct proxy *proxy = proxy_of(world, tool);
-    const double enough = -0.5 * dpti_proxy_clearance(world);
-    struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->end);
-    double unknowns[TOUCH_DIMENSIONS], best = -HUGE_VAL, moved = 0.0;
-    vec3 axes[3];
-    for (int turn = 0; turn < ROOM_TURNS; turn++) {
-        const double gap = gather_at(solve, world, tool, &at, ROOM_REACH + moved);
-        if (gap > best)
-            proxy->end = at.pose;
-        best = max_of(best, gap);
-        if (best >= enough)
-            return;
-        moved = least_motion(solve, unknowns);
-        if (moved > ROOM_LONGEST * (dpti_proxy_clearance(world) - gap))
-            return;
-        dpti_proxy_turn_axes(proxy, &at, axes);
-        const struct displacement way = dpti_proxy_of_unknowns(proxy, axes, unknowns);
-        at = dpti_proxy_moved(proxy, &at, &way);
-    }
-}
-
-void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world)
-{
-    for (uint32_t t = 0; t < solve->tool_count; t++) {
-        const struct tool *tool = &world->tools[solve->tools[t].slot];
-        if (tool->force_reason == DPT_FORCE_ACTS)
-            make_room(solve, world, tool);
-    }
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tools in a step of tissue: what they touch before it, what they feel after it, and where it leaves them. */
+/* Tools in a step of tissue: what they touch before it, and what they feel after it. */
 #ifndef DPT_TISSUE_TOOLS_H
 #define DPT_TISSUE_TOOLS_H
 
@@ -8,7 +8,7 @@
 /* All tools whose proxies are within `reach`, m, of a body of the solve, and their touches. */
 void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach);
 
-/* After the step: the tools' wrenches, loads, energies and end poses. */
+/* After the step: the tools' wrenches, loads and energies. */
 void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world);
 
 /*
@@ -17,11 +17,5 @@ void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world);
  */
 int dpti_tissue_rests(const struct tissue_solve *solve, const struct dpt_world *world);
 void dpti_tissue_tell_again(struct tissue_solve *solve, struct dpt_world *world);
-
-/*
- * After the surfaces have moved: ends of tools give way to what the solve took as flat. There proxies are free in the next
- * tick.
- */
-void dpti_tissue_settle(struct tissue_solve *solve, struct dpt_world *world);
 
 #endif

@@ -32,8 +32,7 @@ static double bound_if_far(const struct dpt_world *world, struct segment *segmen
     return proven->distance;
 }
 
-/* The segment was searched for at its axis from `a` to `b`: its result is what is proven from now on. */
-static void prove_distance(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
+void dpti_far_prove(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b)
 {
     struct proven_distance *proven = &segment->proven;
     proven->a = a;
@@ -98,7 +97,7 @@ static void track_axis(struct dpt_world *world, uint32_t segment_index, vec3 a, 
     segment->last_body_slot = handle_index(segment->answer.body->id);
     dpti_body_search_result(&segment->answer, &segment->result);
     if (far_is_used(world, &world->tools[segment->tool_slot]))
-        prove_distance(world, segment, a, b);
+        dpti_far_prove(world, segment, a, b);
 }
 
 void dpti_track_segment(struct dpt_world *world, uint32_t segment_index)

@@ -157,7 +157,10 @@ static inline int min_distance_take(struct min_distance *min, double distance, d
 /* Forget what is proven of a segment's distance. */
 void dpti_far_forget(struct segment *segment);
 
-/* The same of all segments: a body appeared somewhere, or one is gone. */
+/* With near_only, a segment's pair was found at its axis from `a` to `b`: its result is what is proven from now on. */
+void dpti_far_prove(const struct dpt_world *world, struct segment *segment, vec3 a, vec3 b);
+
+/* Forget that of all segments: a body appeared somewhere, or one is gone. */
 void dpti_far_forget_all(struct dpt_world *world);
 
 /*

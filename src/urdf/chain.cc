@@ -106,12 +106,18 @@ void ChainBuilder::find_tool(const char *name)
     if (candidates.empty())
         refuse(DPT_E_ARGUMENT, 0, "there is no link %s to be the tool", quoted(name).c_str());
     if (candidates.size() > 1) {
-        std::string names = quoted(robot.links[candidates[0]].name);
-        for (size_t i = 1; i < candidates.size() && i < 3; i++)
-            names += ", " + quoted(robot.links[candidates[i]].name);
-        refuse(DPT_E_ARGUMENT, 0,
-               "%zu links have no children: %s%s: name the one that is the tool (--tool)",
-               candidates.size(), names.c_str(), candidates.size() > 3 ? " ..." : "");
+        std::string text = line_of_text("name the link that is the tool by --tool: %zu have no children: ",
+                                        candidates.size());
+        for (size_t i = 0; i < candidates.size(); i++) {
+            /* As many names as a dpt_diag has room for; the first one in any case. */
+            const std::string name = (i ? ", " : "") + quoted(robot.links[candidates[i]].name);
+            if (i > 0 && text.size() + name.size() + sizeof ", ..." > sizeof(dpt_diag::text)) {
+                text += ", ...";
+                break;
+            }
+            text += name;
+        }
+        refuse(DPT_E_ARGUMENT, 0, "%s", text.c_str());
     }
     chain.tool_link = candidates[0];
 }

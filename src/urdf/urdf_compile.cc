@@ -50,19 +50,34 @@ std::string read_all(const char *path)
     return bytes;
 }
 
+/* Take the shapes of these links away. */
+void skip_links(Robot *robot, const char *const *names)
+{
+    for (; names && *names; names++) {
+        const char *name = *names;
+        const auto link = std::find_if(robot->links.begin(), robot->links.end(),
+                                       [name](const Link &l) { return l.name == name; });
+        if (link == robot->links.end())
+            refuse(DPT_E_ARGUMENT, 0, "there is no link %s to skip", quoted(name).c_str());
+        link->shapes.clear();
+    }
+}
+
 void compile(const char *path, const dpt_urdf_def &def, const dpt_compile_def &mesh,
              dpt_compiled *out)
 {
     Notes notes;
     const std::string bytes = read_all(path);
-    const Robot robot = read_robot(bytes, notes);
+    Robot robot = read_robot(bytes, notes);
+    skip_links(&robot, def.skip);
     const Chain chain = chain_of(robot, def.tool, notes);
     Tips tips;
     read_tips(robot, chain, path, def.packages, mesh, notes, &tips);
+    Scene scene;
+    if (!def.without_scene)
+        read_scene(robot, chain, path, def.packages, mesh, notes, &scene);
     std::stable_sort(notes.list.begin(), notes.list.end(),
                      [](const Note &a, const Note &b) { return a.line < b.line; });
-    Scene scene;
-    read_scene(robot, chain, path, def.packages, mesh, &scene);
 
     char name[DPT_ARM_NAME], root[DPT_ARM_NAME], tool[DPT_ARM_NAME];
     put_name(name, robot.name, "robot", 0);
@@ -107,7 +122,9 @@ dpt_result fill_diag(dpt_diag *diag, dpt_result code, size_t line, const char *t
         dpt_diag own = {};
         own.code = code;
         own.line = line;
-        std::snprintf(own.text, sizeof own.text, "%s", text);
+        const int length = std::snprintf(own.text, sizeof own.text, "%s", text);
+        if (length >= static_cast<int>(sizeof own.text))
+            std::memcpy(own.text + sizeof own.text - 4, "...", 4);
         sized_write(diag, diag->size, &own, sizeof own);
     }
     return code;
@@ -121,8 +138,10 @@ void read_defs(const dpt_urdf_def *given, dpt_urdf_def *def, dpt_compile_def *me
         refuse(result, 0, "the def has fields of a newer version");
     if (result != DPT_OK)
         refuse(result, 0, "the def's size field is not set");
-    if (def->reserved || def->reserved_pointer)
-        refuse(DPT_E_ARGUMENT, 0, "the def's reserved fields are not 0");
+    if (given && sized_of(given) < sizeof *def)
+        def->skip = NULL; /* of half a pointer */
+    if (def->without_scene > 1)
+        refuse(DPT_E_ARGUMENT, 0, "without_scene of the def must be 0 or 1");
     if (def->mesh)
         result = sized_read(def->mesh, SIZED_FIRST(dpt_compile_def, crease), mesh, sizeof *mesh);
     if (result == DPT_E_UNSUPPORTED)

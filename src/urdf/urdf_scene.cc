@@ -28,6 +28,14 @@ std::string folder_of(const std::string &path)
     return path.substr(0, path.rfind('/') + 1);
 }
 
+/* The last name of a path of a folder. */
+std::string name_of(std::string folder)
+{
+    while (!folder.empty() && folder.back() == '/')
+        folder.pop_back();
+    return folder.substr(folder.rfind('/') + 1);
+}
+
 int hex_digit(char c)
 {
     return c >= '0' && c <= '9'   ? c - '0'
@@ -76,9 +84,11 @@ std::string path_in_package(const std::string &rest, const std::string &file, co
     for (const char *at = packages; at && *at;) {
         size_t length = std::strcspn(at, ":"), drive = drive_length(at);
         for (size_t count : { drive, length }) {
-            std::string folder(at, count);
+            const std::string folder(at, count);
             if (count && file_exists(folder + "/" + rest))
                 return folder + "/" + rest;
+            if (count && name_of(folder) == name && file_exists(folder + rest.substr(slash)))
+                return folder + rest.substr(slash);
         }
         at += length + (at[length] == ':');
     }
@@ -91,7 +101,11 @@ std::string path_in_package(const std::string &rest, const std::string &file, co
             return folder + rest;
         folder += "../";
     }
-    return folder_of(file) + rest.substr(slash + 1);
+    const std::string beside = folder_of(file) + rest.substr(slash + 1);
+    if (!file_exists(beside))
+        refuse_path(DPT_E_OPEN, line, owner, "package://" + rest,
+                    " is not found: name the folder that holds the package by --packages");
+    return beside;
 }
 
 } // namespace
@@ -125,6 +139,7 @@ struct SceneBuilder {
     const std::string &file;
     const char *packages;
     const dpt_compile_def &mesh;
+    Notes &notes;
     Scene *scene;
 
     dpt_compile_def def_with_scale(double scale) const;
@@ -186,16 +201,57 @@ void SceneBuilder::add_box(const Link &link, const Frame &pose, const Shape &sha
 void SceneBuilder::add_mesh(const Link &link, const Frame &pose, const Shape &shape)
 {
     CompiledMesh compiled;
-    compile_mesh(link, shape, file, packages, mesh, &compiled);
+    compile_mesh(link, shape, file, packages, mesh, notes, &compiled);
     scene->meshes.push_back(dpt_compiled());
     std::swap(scene->meshes.back(), compiled.file);
     add_body(link, pose, scene->meshes.back());
+    /* The mesh may have been moved: its body makes up for it. */
+    dpt_mesh_info info = {};
+    info.size = sizeof info;
+    dpt_mesh_get_info(scene->bodies.back().mesh, &info);
+    const Vec origin = { info.origin[0], info.origin[1], info.origin[2] };
+    scene->bodies.back().pose = pose_of(Frame{ pose * origin, pose.w, pose.v });
+}
+
+} // namespace
+
+namespace
+{
+
+/* What the compiler notes of a mesh becomes a note of the link. */
+struct MeshNotes {
+    const Link &link;
+    const Shape &shape;
+    Notes &notes;
+};
+
+std::string place_of(const dpt_diag &diag)
+{
+    return diag.line   ? line_of_text(": line %" PRIu64, diag.line)
+           : diag.byte ? line_of_text(": byte %" PRIu64, diag.byte)
+                       : "";
+}
+
+void hear_note(void *user, const dpt_diag *note)
+{
+    const MeshNotes *of = static_cast<const MeshNotes *>(user);
+    of->notes.add(of->link.line, "link " + quoted(of->link.name) + ": '" + of->shape.file + "'" +
+                                     place_of(*note) + ": " + note->text);
+}
+
+/* Formats of scenes that robots' descriptions name. */
+const char *scene_format(const std::string &ending)
+{
+    return ending == "dae"                       ? "COLLADA"
+           : ending == "glb" || ending == "gltf" ? "glTF"
+                                                 : NULL;
 }
 
 } // namespace
 
 void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
-                  const char *packages, const dpt_compile_def &mesh, CompiledMesh *compiled)
+                  const char *packages, const dpt_compile_def &mesh, Notes &notes,
+                  CompiledMesh *compiled)
 {
     const std::string owner = "link " + quoted(link.name);
     const std::string path = mesh_path(shape.file, file, packages, link.line, owner);
@@ -207,20 +263,20 @@ void compile_mesh(const Link &link, const Shape &shape, const std::string &file,
     std::string ending = dot == std::string::npos ? "" : shape.file.substr(dot + 1);
     for (char &c : ending)
         c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-    if (ending == "dae")
+    if (scene_format(ending))
         refuse_path(DPT_E_UNSUPPORTED, link.line, owner, shape.file,
-                    " is COLLADA: convert it to STL, OBJ, PLY or OFF");
+                    std::string(" is ") + scene_format(ending) +
+                        ": make it an STL (docs/urdf.md#collada-and-gltf), or leave it out: --skip LINK");
+    MeshNotes mesh_notes = { link, shape, notes };
     dpt_compile_def scaled_def = mesh;
+    scaled_def.note = hear_note;
+    scaled_def.note_user = &mesh_notes;
     scaled_def.scale = (mesh.scale > 0.0 ? mesh.scale : 1.0) * scale.x;
     dpt_diag diag = {};
     diag.size = sizeof diag;
     dpt_result result = dpt_compile_file(path.c_str(), &scaled_def, &compiled->file, &diag);
-    if (result != DPT_OK) {
-        std::string where = diag.line   ? line_of_text(": line %" PRIu64, diag.line)
-                            : diag.byte ? line_of_text(": byte %" PRIu64, diag.byte)
-                                        : "";
-        refuse_path(result, link.line, owner, shape.file, where + ": " + diag.text);
-    }
+    if (result != DPT_OK)
+        refuse_path(result, link.line, owner, shape.file, place_of(diag) + ": " + diag.text);
 }
 
 Scene::~Scene()
@@ -230,9 +286,9 @@ Scene::~Scene()
 }
 
 void read_scene(const Robot &robot, const Chain &chain, const std::string &file,
-                const char *packages, const dpt_compile_def &mesh, Scene *scene)
+                const char *packages, const dpt_compile_def &mesh, Notes &notes, Scene *scene)
 {
-    SceneBuilder builder = { robot, chain, file, packages, mesh, scene };
+    SceneBuilder builder = { robot, chain, file, packages, mesh, notes, scene };
     for (size_t i = 0; i < robot.links.size(); i++) {
         if (chain.attachments[i].fixed_group != robot.root)
             continue;

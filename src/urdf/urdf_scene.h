@@ -32,23 +32,23 @@ struct CompiledMesh {
     CompiledMesh &operator=(const CompiledMesh &) = delete;
 };
 
-/* Compile the mesh that a shape of a link names. Throws a fault. The parameters are those of read_scene. */
+/* Compile the mesh that a shape of a link names. Throws a fault, adds notes. The parameters are those of read_scene. */
 void compile_mesh(const Link &link, const Shape &shape, const std::string &file, const char *packages,
-                  const dpt_compile_def &mesh, CompiledMesh *compiled);
+                  const dpt_compile_def &mesh, Notes &notes, CompiledMesh *compiled);
 
 /*
- * Compile the scene. Throws a fault.
+ * Compile the scene. Throws a fault, adds notes.
  *
  *   file       path of the URDF
  *   packages   as in dpt_urdf_def
  *   mesh       as in dpt_urdf_def, in this library's version
  */
 void read_scene(const Robot &robot, const Chain &chain, const std::string &file, const char *packages,
-                const dpt_compile_def &mesh, Scene *scene);
+                const dpt_compile_def &mesh, Notes &notes, Scene *scene);
 
 /*
- * The path of the mesh file that `name` means, as urdf.h says; the file need not exist. Throws a fault for a name that
- * means no file. `line` and `owner` are for the message.
+ * The path of the mesh file that `name` means, as urdf.h says. Throws a fault for a name that means no file, and for
+ * one in a package that is not found; other files need not exist. `line` and `owner` are for the message.
  */
 std::string mesh_path(const std::string &name, const std::string &file, const char *packages, size_t line,
                       const std::string &owner);

@@ -145,7 +145,7 @@ void TipBuilder::add_mesh(size_t link, const Shape &shape)
     uint32_t count, corner_count = 0;
     double radius = 0.0;
     try {
-        compile_mesh(robot.links[link], shape, file, packages, mesh, &compiled);
+        compile_mesh(robot.links[link], shape, file, packages, mesh, notes, &compiled);
     } catch (const Fault &fault) {
         if (fault.code == DPT_E_MEMORY || fault.code == DPT_E_CANCELLED)
             throw;

@@ -226,6 +226,14 @@ void dpti_deform_follow(struct dpt_world *world, struct body *body, const struct
     move_within_room(world, body, &update);
 }
 
+void dpti_deform_return(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                        uint32_t count, int is_unmoved)
+{
+    dpti_deform_follow(world, body, vertices, count);
+    if (is_unmoved)
+        dpti_surface_motion_forget(&deform_of(body)->motion);
+}
+
 /* A share of a step: less time than that counts as none, as sums of dt are off by so much. */
 #define ARRIVED 1e-9
 

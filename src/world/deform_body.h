@@ -28,6 +28,10 @@ int dpti_deform_has_room(struct dpt_world *world, struct body *body, const struc
 void dpti_deform_follow(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
                         uint32_t count);
 
+/* They go back to where they were before; is_unmoved: that is where they were in the last tick, and they have not moved. */
+void dpti_deform_return(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
+                        uint32_t count, int is_unmoved);
+
 /* A segment's strip, if its tool pushes the surface of the body in this slot out of the way; else NULL. */
 const struct segment_strip *dpti_deform_displacing_strip(const struct dpt_world *world, uint32_t segment_index,
                                                          uint32_t slot);

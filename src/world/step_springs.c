@@ -13,6 +13,7 @@
 #include "deform/spring_vertices.h"
 #include "proxy/tool_loads.h"
 #include "strip/strip_state.h"
+#include "tissue/tissue_end.h"
 #include "tissue/tissue_link.h"
 #include "tissue/tissue_solve.h"
 #include "tissue/tissue_tools.h"
@@ -193,32 +194,66 @@ static int take_steps(struct tissue_solve *solve, struct dpt_world *world, int i
     return is_whole;
 }
 
+static void undo_steps(struct tissue_solve *solve)
+{
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        dpti_loaded_step_undo(&solve->bodies[b].step);
+}
+
+static void follow_steps(struct tissue_solve *solve, struct dpt_world *world, const uint32_t *moved)
+{
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        dpti_deform_follow(world, body_of(world, &solve->bodies[b]), &solve->bodies[b].step.springs->vertices,
+                           moved[b]);
+}
+
+/* How often a step is halved that takes a surface through a tool: tissue that moves so fast is slowed. */
+enum { CUTS_MAX = 5 };
+
+/* Everything is where it was again, and less of the tick is to be stepped. */
+static void cut_step(struct tissue_solve *solve, struct dpt_world *world, const uint32_t *had_moved)
+{
+    dpti_tissue_unend(solve, world);
+    undo_steps(solve);
+    for (uint32_t b = 0; b < solve->body_count; b++) {
+        struct dpt_springs *springs = solve->bodies[b].step.springs;
+        dpti_deform_return(world, body_of(world, &solve->bodies[b]), &springs->vertices,
+                           dpti_spring_vertices_gather(springs), !had_moved[b]);
+    }
+    solve->step *= 0.5;
+    dpti_tissue_gather(solve, world, reach_of(solve, solve->step));
+}
+
 /*
  * All bodies of the solve, and the tools that touch them. Returns 0 if a body cannot be stepped: then all are where they
  * were, and its result says why.
  */
 static int step_together(struct tissue_solve *solve, struct dpt_world *world, double dt, dpt_springs_info *infos)
 {
-    uint32_t moved[TISSUE_BODIES_MAX] = { 0 };
-    begin_bodies(solve, world, dt);
-    const int is_done = make_substeps(solve, world, reach_of(solve, dt));
-    const int is_whole = take_steps(solve, world, is_done, moved);
+    uint32_t moved[TISSUE_BODIES_MAX] = { 0 }, had_moved[TISSUE_BODIES_MAX];
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        had_moved[b] = (uint32_t)surface_has_moved(&solve->bodies[b].body->surface, world_coming_tick(world));
+    for (int cut = 0;; cut++) {
+        begin_bodies(solve, world, solve->step);
+        const int is_done = make_substeps(solve, world, reach_of(solve, solve->step));
+        if (!take_steps(solve, world, is_done, moved)) {
+            undo_steps(solve);
+            return 0;
+        }
+        dpti_tissue_end(solve, world);
+        follow_steps(solve, world, moved);
+        dpti_tissue_settle(solve, world);
+        if (cut == CUTS_MAX || work_is_spent(&solve->work) || dpti_tissue_ways_are_free(solve, world))
+            break;
+        cut_step(solve, world, had_moved);
+    }
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct loaded_step *step = &solve->bodies[b].step;
-        if (!is_whole) {
-            dpti_loaded_step_undo(step);
-            continue;
-        }
         dpti_loaded_step_keep(step);
+        step->info.flags |= solve->step < dt ? (uint32_t)DPT_SPRINGS_FLAG_CUT : 0u;
         write_info(step, infos ? &infos[solve->bodies[b].number] : NULL);
     }
-    if (!is_whole)
-        return 0;
     dpti_tissue_tell(solve, world);
-    for (uint32_t b = 0; b < solve->body_count; b++)
-        dpti_deform_follow(world, body_of(world, &solve->bodies[b]), &solve->bodies[b].step.springs->vertices,
-                           moved[b]);
-    dpti_tissue_settle(solve, world);
     tell_work(solve, solve->work.done, infos);
     return 1;
 }
@@ -287,7 +322,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
         if (!own || !body_is_solved(body) || list->springs[i]->result != DPT_OK)
             continue;
         own->body_count = own->is_full = 0;
-        own->dt = dt;
+        own->dt = own->step = dt;
         own->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
         take_body(own, world, list, i);
         dpti_tissue_gather(own, world, reach_of(own, dt));

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a tick of a proxy takes, without contacts: a ball of 1 mm and a line of 0.1 m with a radius of 1 mm.
+ * What a tick of a proxy takes, without contacts: a ball of 1 mm, a line of 0.1 m with a radius of 1 mm, and a fork of
+ * three segments.
  *
  *     open   20 mm above the mesh, at 0.1 m/s
  *     rest   pressed 3 mm in, with a tremor of 0.05 mm
  *     wipe   3 mm below the surface, from place to place at 0.1 m/s
  *     fast   the same at 1 m/s
  *     poke   in and out by 5 mm, at one place after another
+ *     move   as wipe, but the tool rests and the mesh moves
+ *     twin   as wipe, over two meshes: the second one is moved by some mm, so that each is outside in places
  *
  * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of
  * REPEATS runs; then the sum of all forces, N: two builds that feel the same print the same.
@@ -23,12 +26,21 @@
 #include "lib/solid.h"
 #include "timing.h"
 
-enum { OPEN, REST, WIPE, FAST, POKE, MOTIONS };
-enum { BALL, LINE, TOOLS };
+enum { OPEN, REST, WIPE, FAST, POKE, MOVE, TWIN, MOTIONS };
+enum { BALL, LINE, FORK, TOOLS };
 
-static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke" };
-static const char *const tool_names[TOOLS] = { "ball", "line" };
-static const dpt_segment segments[TOOLS] = { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-3 }, { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } };
+static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke", "move", "twin" };
+static const struct {
+    const char *name;
+    uint32_t count;
+    dpt_segment segments[3];
+} tools[TOOLS] = { { "ball", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-3 } } },
+                   { "line", 1, { { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } } },
+                   { "fork",
+                     3,
+                     { { { 0, 0, 0.02 }, { 0, 0, 0.1 }, 1e-3 },
+                       { { 0, 0, 0.02 }, { 0.005, 0, 0 }, 1e-3 },
+                       { { 0, 0, 0.02 }, { -0.005, 0, 0 }, 1e-3 } } } };
 
 enum { SETTLED = 100, STAY = 500 };
 
@@ -37,6 +49,9 @@ enum { SETTLED = 100, STAY = 500 };
 #define ABOVE   0.02
 #define TREMOR  5e-5
 #define HOP     0.04
+
+/* m: where the second mesh is. */
+static const double aside[3] = { 3e-3, 2e-3, -1e-3 };
 
 static const struct {
     const char *name;
@@ -97,7 +112,7 @@ static double height_at(const struct hand *hand, int tick)
 static void hand_pose(struct hand *hand, int tick, dpt_pose *pose)
 {
     const double step = hand->motion == FAST ? 1e-3 : 1e-4;
-    const int moves = hand->motion == WIPE || hand->motion == FAST || hand->motion == OPEN;
+    const int moves = hand->motion != REST && hand->motion != POKE;
     double tilted[3], out[3];
     if (tick >= SETTLED && moves && (hand->gone += step) >= hand->way)
         go_on(hand);
@@ -118,6 +133,16 @@ static void hand_pose(struct hand *hand, int tick, dpt_pose *pose)
     turn_from_z(tilted, pose->orientation);
 }
 
+/* A hand that moves over a mesh, as a mesh that moves under a hand. */
+static void exchange(dpt_pose *pose, dpt_pose *body)
+{
+    static const double origin[3] = { 0, 0, 0 };
+    pose_local(pose, origin, body->position);
+    for (int k = 0; k < 4; k++)
+        body->orientation[k] = k == 0 ? pose->orientation[k] : -pose->orientation[k];
+    *pose = (dpt_pose)DPT_POSE_IDENTITY;
+}
+
 /* Returns the sum of all forces; took[]: of each tick after the first ones, us. */
 static double run(const struct solid *solid, int tool, int motion, int ticks, double friction, double *took)
 {
@@ -127,25 +152,34 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
     dpt_body body;
     dpt_tool handle;
     dpt_body_settings settings = { .size = sizeof settings };
-    dpt_pose pose;
+    dpt_pose pose, place = DPT_POSE_IDENTITY;
     double sum = 0;
     dpt_world_def_init(&def);
     def.until = DPT_UNTIL_RESPOND;
     def.max_contacts = 0;
     void *block = malloc(dpt_world_bytes(&def));
     if (!block || dpt_world_create(block, dpt_world_bytes(&def), &def, &world) ||
-        dpt_body_add(world, solid->mesh, NULL, &body) || dpt_tool_add(world, &segments[tool], 1, &handle) ||
+        dpt_body_add(world, solid->mesh, NULL, &body) ||
+        dpt_tool_add(world, tools[tool].segments, tools[tool].count, &handle) ||
         dpt_body_get_settings(world, body, &settings))
         fail("no world");
     settings.static_friction = settings.kinetic_friction = friction;
     if (dpt_body_set_settings(world, body, &settings))
         fail("no settings");
+    memcpy(place.position, aside, sizeof aside);
+    if (motion == TWIN &&
+        (dpt_body_add(world, solid->mesh, &place, &body) || dpt_body_set_settings(world, body, &settings)))
+        fail("no second body");
     solid_random_place(solid, &hand.seed, hand.next, hand.next_out);
     go_on(&hand);
     for (int tick = 0; tick < SETTLED + ticks; tick++) {
         dpt_wrench wrench;
         hand_pose(&hand, tick, &pose);
+        if (motion == MOVE)
+            exchange(&pose, &place);
         const double begin = processor_time();
+        if (motion == MOVE && dpt_body_set_pose(world, body, &place))
+            fail("no place");
         if (tick ? dpt_tool_set_pose(world, handle, &pose) : dpt_tool_teleport(world, handle, &pose))
             fail("no pose");
         if (dpt_world_step(world, 1e-3, NULL) || dpt_tool_get_wrench(world, handle, &wrench))
@@ -173,7 +207,7 @@ static void measure(size_t mesh, int tool, int motion, int ticks, double frictio
         best[1] = fmin(best[1], took[(int)(0.99 * ticks)]);
         best[2] = fmin(best[2], took[ticks - 1]);
     }
-    printf("%s,%u,%s,%s,%g,%d,%.2f,%.2f,%.1f,%.17g\n", name, solid.info.triangles, tool_names[tool],
+    printf("%s,%u,%s,%s,%g,%d,%.2f,%.2f,%.1f,%.17g\n", name, solid.info.triangles, tools[tool].name,
            hand_motions[motion], friction, ticks, best[0], best[1], best[2], sum);
     fflush(stdout);
     free(took);
@@ -192,7 +226,7 @@ int main(int argc, char **argv)
     for (size_t m = 0; m < sizeof meshes / sizeof *meshes; m++)
         for (int t = 0; t < TOOLS && !strcmp(mesh, meshes[m].name); t++)
             for (int k = 0; k < MOTIONS; k++)
-                if ((!*tool || !strcmp(tool, tool_names[t])) && (!*motion || !strcmp(motion, hand_motions[k])))
+                if ((!*tool || !strcmp(tool, tools[t].name)) && (!*motion || !strcmp(motion, hand_motions[k])))
                     measure(m, t, k, ticks, friction, repeats);
     return 0;
 }

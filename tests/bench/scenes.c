@@ -18,8 +18,8 @@
 #include "bench/play.h"
 #include "bench/timing.h"
 #include "dynpoint/compile.h"
-#include "host/scene_list.h"
-#include "host/shape.h"
+#include "scene/scene_list.h"
+#include "scene/shape.h"
 
 enum { BODIES = LISTED_BODIES_MAX, TICKS_MAX = 10000 };
 

@@ -13,7 +13,7 @@
 #include "bench/timing.h"
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
+#include "scene/shape.h"
 
 static void fail(const char *what)
 {

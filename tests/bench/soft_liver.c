@@ -26,8 +26,8 @@
 #include "bench/timing.h"
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "host/scene_list.h"
-#include "host/shape.h"
+#include "scene/scene_list.h"
+#include "scene/shape.h"
 
 enum { TICKS = 8000, TURN = 250, PHASES = 9, SUBJECTS = 4, CONTACT_PASSES = 2 };
 

@@ -476,10 +476,10 @@ static void wrong_input_is_refused(void)
         bad = SOURCE(vertices, cube_corners);
         expect_refusal(&bad, NULL, DPT_E_FINITE, k / 3 * 24);
     }
-    def.reserved = 1;
+    def.recentre = 2;
     expect_refusal(&good, &def, DPT_E_ARGUMENT, 0);
-    def.size = offsetof(dpt_compile_def, reserved); /* where it ends before, nobody looks */
-    CHECK(dpt_compile_arrays(cube, 8, cube_corners, 12, &def, &out, NULL) == DPT_OK, "reserved");
+    def.size = offsetof(dpt_compile_def, recentre); /* where it ends before, nobody looks */
+    CHECK(dpt_compile_arrays(cube, 8, cube_corners, 12, &def, &out, NULL) == DPT_OK, "recentre");
     dpt_compiled_free(&out);
     def.size = offsetof(dpt_compile_def, crease) - 1;
     expect_refusal(&good, &def, DPT_E_SIZE, 0);
@@ -502,6 +502,17 @@ static void wrong_arguments_are_refused(void)
     for (uint32_t format = DPT_FORMAT_OFF + 1; format; format = format > 9 ? 0 : UINT32_MAX) {
         dpt_compile_def def = { .size = sizeof def, .format = format };
         CHECK(dpt_compile_bytes("v 0 0 0\n", 8, &def, &out, NULL) == DPT_E_ARGUMENT, "%u", format);
+    }
+    /* -1 of another language, and what is near it: nothing is read, not the arrays' ends either. */
+    const size_t counts[] = { UINT32_MAX, UINT32_MAX - 1, (size_t)INT32_MAX + 1, SIZE_MAX };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        dpt_diag diag = { .size = sizeof diag };
+        CHECK(dpt_compile_arrays(cube, counts[i], cube_corners, 12, NULL, &out, &diag) == DPT_E_LIMIT &&
+                  strstr(diag.text, "vertices"),
+              "%zu vertices: %s", counts[i], diag.text);
+        CHECK(dpt_compile_arrays(cube, 8, cube_corners, counts[i], NULL, &out, &diag) == DPT_E_LIMIT &&
+                  strstr(diag.text, "triangles"),
+              "%zu triangles: %s", counts[i], diag.text);
     }
     dpt_compiled_free(NULL);
     dpt_compiled_free(&out);

@@ -126,16 +126,16 @@ static void a_longer_def_has_more_say(void)
     CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "springs of no kind");
     def.size -= 4;
     CHECK(arrays(&def, NULL) == DPT_OK, "half a pointer to springs is looked at");
-    def = (dpt_compile_def){ .size = sizeof def - 4, .name = (const char *)1 };
+    def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, note) - 4, .name = (const char *)1 };
     CHECK(bytes_of(&def) == DPT_E_FORMAT, "half a pointer to a name is looked at");
     def = (dpt_compile_def){ .size = sizeof def, .name = "a/b.c/part.STL" };
     CHECK(bytes_of(&def) == DPT_E_TRUNCATED, "a name tells of no format");
     def.name = "part";
     CHECK(bytes_of(&def) == DPT_E_FORMAT && bytes_of(NULL) == DPT_E_FORMAT, "without an extension");
-    def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, reserved), .reserved = 1 };
-    CHECK(arrays(&def, NULL) == DPT_OK, "reserved behind the end is looked at");
+    def = (dpt_compile_def){ .size = offsetof(dpt_compile_def, recentre), .recentre = 2 };
+    CHECK(arrays(&def, NULL) == DPT_OK, "recentre behind the end is looked at");
     def.size = sizeof def;
-    CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "reserved before the end is not");
+    CHECK(arrays(&def, NULL) == DPT_E_ARGUMENT, "recentre before the end is not");
 }
 
 static void spring_defaults(void *def, size_t size)

@@ -159,6 +159,8 @@ static void what_is_none_is_refused(void)
         line[i] = i * i % 7;
     CHECK(dpt_compile_hull(line, 10, corners, CAPACITY, &count, &radius) == DPT_OK, "ten points");
     CHECK(dpt_compile_hull(NULL, 10, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT &&
+              dpt_compile_hull(line, UINT32_MAX - 1, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT &&
+              dpt_compile_hull(line, SIZE_MAX, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT &&
               dpt_compile_hull(line, 2, corners, CAPACITY, &count, &radius) == DPT_E_ARGUMENT &&
               dpt_compile_hull(line, 10, NULL, CAPACITY, &count, &radius) == DPT_E_ARGUMENT &&
               dpt_compile_hull(line, 10, corners, 3, &count, &radius) == DPT_E_ARGUMENT &&

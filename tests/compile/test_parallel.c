@@ -9,8 +9,8 @@
 #include "compile/compile_context.h"
 #include "compile/lattice.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/check.h"
+#include "scene/shape.h"
 
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);
 int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attr, void *(*start)(void *), void *argument);
@@ -398,7 +398,7 @@ static void progress_comes_from_the_calling_thread(void)
 static void a_def_without_threads_makes_none(void)
 {
     const size_t sizes[] = { offsetof(dpt_compile_def, crease), offsetof(dpt_compile_def, threads),
-                             offsetof(dpt_compile_def, reserved), sizeof(dpt_compile_def) };
+                             offsetof(dpt_compile_def, recentre), sizeof(dpt_compile_def) };
     struct shape shape;
     if (make("torus", 10000, &shape))
         return;

@@ -129,7 +129,8 @@ static void polygons_become_fans(void)
     CHECK(r.soup.polygon_count == 2, "%zu polygons", r.soup.polygon_count);
     CHECK(r.soup.polygons[0].first_triangle == 1 && r.soup.polygons[0].corners == 5, "first");
     CHECK(r.soup.polygons[1].first_triangle == 4 && r.soup.polygons[1].corners == 4, "second");
-    CHECK(soup_concave_polygons(&r.soup) == 0, "none is concave");
+    CHECK(soup_cut_polygons(&r.soup) == DPT_OK && r.soup.concave_polygons == 0, "none is concave");
+    CHECK(memcmp(r.soup.corners, want, sizeof want) == 0, "other corners");
     soup_free(&r.soup);
 }
 
@@ -146,7 +147,8 @@ static void concave_polygons_are_counted(void)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         reading r;
         read_string(&r, DPT_FORMAT_OBJ, cases[i].text);
-        uint32_t concave = soup_concave_polygons(&r.soup);
+        CHECK(soup_cut_polygons(&r.soup) == DPT_OK, "case %zu", i);
+        uint32_t concave = r.soup.concave_polygons;
         CHECK(r.result == DPT_OK && concave == cases[i].concave, "case %zu: %u", i, concave);
         soup_free(&r.soup);
     }
@@ -267,7 +269,7 @@ static void mutate_golden(const expected *e, const unsigned char *bytes, size_t 
         read_bytes(&r, format_of(e->name), changed, size, NULL);
         CHECK(r.result == DPT_OK || r.diag.text[0] != 0, "%s: no reason", e->name);
         if (r.result == DPT_OK)
-            soup_concave_polygons(&r.soup);
+            soup_cut_polygons(&r.soup);
         soup_free(&r.soup);
     }
     free(changed);
@@ -450,7 +452,7 @@ static void long_lines(void)
     reading r;
     read_string(&r, DPT_FORMAT_OBJ, text);
     CHECK(r.result == DPT_OK && r.soup.triangle_count == corners - 2, "%s", r.diag.text);
-    CHECK(soup_concave_polygons(&r.soup) <= 1, "one polygon");
+    CHECK(soup_cut_polygons(&r.soup) == DPT_OK && r.soup.concave_polygons <= 1, "one polygon");
     soup_free(&r.soup);
     at += sprintf(at, " x");
     read_string(&r, DPT_FORMAT_OBJ, text);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "deform/spring_ball.h"
 
-#include "host/shape.h"
+#include "scene/shape.h"
 
 static void compile_ball(struct ball *ball, uint32_t kind, uint64_t triangles, double spacing)
 {

@@ -5,10 +5,10 @@
  */
 #include <math.h>
 
-#include "host/scene_bodies.h"
-#include "host/scene_list.h"
 #include "lib/check.h"
 #include "mesh/mesh_format.h"
+#include "scene/scene_bodies.h"
+#include "scene/scene_list.h"
 
 enum { STEPS = 16, LOADED_FROM = 2, LOADED_TO = 10, PASSES_ENOUGH = 64 };
 #define STEP 1e-3 /* s */

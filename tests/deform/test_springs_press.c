@@ -5,9 +5,9 @@
  */
 #include "deform/made_net.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "mesh/mesh_format.h"
 #include "oracle/spring_balance.h"
+#include "scene/shape.h"
 
 #define PATCH 0.02 /* m */
 #define PUSH  0.3  /* N */

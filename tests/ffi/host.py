@@ -6,6 +6,7 @@ import sys
 import tempfile
 from ctypes import (CDLL, RTLD_GLOBAL, POINTER, Structure, byref, c_char, c_char_p, c_double, c_int32, c_uint32, c_uint64,
                     c_void_p, sizeof)
+from os import remove
 from os.path import exists
 
 build = sys.argv[1]
@@ -30,12 +31,15 @@ HostInfo = struct("dpt_host_info", (c_uint32, "size limit budget reasons"),
                   (c_double, "taken account_min depth_max force_max"), (c_char * 640, "trouble"))
 
 
-def run(scene, device, ticks, record=None):
+EMBED = 32  # DPT_HOST_FLAG_EMBED
+
+
+def run(scene, device, ticks, record=None, flags=0):
     definition, error, info = HostDef(), HostError(size=sizeof(HostError)), HostInfo(size=sizeof(HostInfo))
     opened = c_void_p()
     host.dpt_host_def_defaults(byref(definition), c_uint64(sizeof(definition)))
     definition.scene, definition.device, definition.ticks = scene.encode(), device.encode(), ticks
-    definition.record = record and record.encode()
+    definition.record, definition.flags = record and record.encode(), flags
     if host.dpt_host_open(byref(definition), byref(opened), byref(error)) != 0:
         raise RuntimeError(error.text.decode())
     host.dpt_host_run(opened, None, byref(error))
@@ -86,9 +90,21 @@ def what_the_device_reads_is_kept():
             return is_refused and file.read() == rows
 
 
+def a_recording_carries_its_mesh():
+    with tempfile.TemporaryDirectory() as folder:
+        shape, mesh, ours = f"{folder}/ball.stl", f"{folder}/ball.dpa", f"{folder}/ours.dpr"
+        program("make", "sphere", "500", "-o", shape)
+        program("compile", shape, "-o", mesh)
+        run(mesh, "sim:?hand=press", 500, ours, EMBED)
+        remove(mesh)
+        is_same = b"all the same bits" in program("replay", ours)
+        print(f"  {'ok  ' if is_same else 'FAIL'} a recording carries its mesh")
+        return is_same
+
+
 results = [as_the_program(scene, "sim:?hand=press", 3000) for scene in ("liver", "membrane", "laparoscopy")]
 results += [refused("nothing.dpa", "nothing.dpa: cannot be opened"), 
             refused("docs/samples/scene.json", "it is read here", "this build reads no scene files", record="docs/samples/scene.json")]
-results += [what_the_device_reads_is_kept()]
+results += [what_the_device_reads_is_kept(), a_recording_carries_its_mesh()]
 print(f"{sum(results)} passed, {len(results) - sum(results)} failed, 0 skipped")
 sys.exit(not all(results))

@@ -17,6 +17,10 @@ extern uint32_t data_source[], data_begin[], data_end[], bss_begin[], bss_end[],
 #define UART_CONTROL      REGISTER(0x40004008)
 #define UART_INTERRUPT    REGISTER(0x4000400c)
 #define UART_DIVIDER      REGISTER(0x40004010)
+#define METER_DATA        REGISTER(0x40005000)
+#define METER_STATE       REGISTER(0x40005004)
+#define METER_CONTROL     REGISTER(0x40005008)
+#define METER_DIVIDER     REGISTER(0x40005010)
 
 enum { CLOCK_HZ = 25000000, RECEIVED = 1024, SENDING = 1024 };
 
@@ -77,6 +81,8 @@ void uart_start(void)
     UART_DIVIDER = CLOCK_HZ / 1000000;
     UART_CONTROL = 1 | 2 | 8;
     INTERRUPT_ENABLE = 1;
+    METER_DIVIDER = CLOCK_HZ / 1000000;
+    METER_CONTROL = 1;
 }
 
 int uart_get(void)
@@ -93,6 +99,16 @@ int uart_put(const uint8_t *bytes, size_t size)
     for (size_t i = 0; i < size; i++)
         sending[sending_in++ % SENDING] = bytes[i];
     return 1;
+}
+
+void meter_put(const void *bytes, size_t size)
+{
+    const uint8_t *at = bytes;
+    for (size_t i = 0; i < size; i++) {
+        while (METER_STATE & 1)
+            ;
+        METER_DATA = at[i];
+    }
 }
 
 void clock_start(void)

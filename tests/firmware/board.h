@@ -16,6 +16,9 @@ void uart_start(void);
 int uart_get(void);
 int uart_put(const uint8_t *bytes, size_t size);
 
+/* To the second UART, whose other end takes all at once. */
+void meter_put(const void *bytes, size_t size);
+
 /* Milliseconds since clock_start; board_idle sends what waits, and then sleeps until something happens. */
 void clock_start(void);
 uint32_t clock_ms(void);

@@ -7,14 +7,24 @@
  * where the machine is busy, and which may then stand still for longer than a good watchdog waits.
  */
 #include "firmware/board.h"
+#include "firmware/meter.h"
 #include "serial/wire_device.h"
 #include "simulate/mechanism.h"
+
+#include <string.h>
 
 #ifndef PERIOD
 #define PERIOD 1
 #endif
 #ifndef WATCHDOG
 #define WATCHDOG 0.02f
+#endif
+/* m: how deep the hand presses, each 0.6 s; and whether the motors' force goes to the second UART (meter.h). */
+#ifndef PRESS
+#define PRESS 0.0
+#endif
+#ifndef METER
+#define METER 0
 #endif
 
 static const struct wire_info info = {
@@ -36,10 +46,18 @@ static const struct wire_info info = {
 static struct wire_device device;
 static struct mechanism mechanism;
 
+/* Down to PRESS, and up to a fifth of it above the middle. */
+static void press(uint32_t now)
+{
+    const uint32_t phase = now % 600;
+    mechanism.hand[1] = PRESS * (0.2 - (phase < 300 ? phase : 600 - phase) / 250.0);
+}
+
 static void servo(uint32_t now)
 {
     struct wire_sample sample = { .time = 1000 * now, .temperature = WIRE_TEMPERATURE_UNKNOWN };
     uint8_t out[WIRE_OUT_MAX];
+    press(now);
     mechanism_step(&mechanism, device.force, 0.001 * PERIOD, 2 * PERIOD);
     for (int i = 0; i < 3; i++) {
         sample.position[i] = (float)mechanism.position[i];
@@ -47,6 +65,12 @@ static void servo(uint32_t now)
     }
     /* A sample that does not fit is dropped: the host counts the gap. */
     uart_put(out, wire_device_sample(&device, &sample, out));
+    if (METER) {
+        struct meter_reading reading = { .ms = now, .status = wire_device_status(&device) };
+        reading.commands = device.commands.accepted;
+        memcpy(reading.force, device.force, sizeof reading.force);
+        meter_put(&reading, sizeof reading);
+    }
 }
 
 int main(void)

@@ -9,18 +9,16 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <signal.h>
-#include <sys/wait.h>
 #include <time.h>
 
 #include "dynpoint/device.h"
+#include "firmware/emulator.h"
 #include "lib/check.h"
 
 enum { GOOD, DAMAGED, CUT };
 
-static char **command;
-static pid_t firmware;
-static char theirs[64], ours[64];
+static struct emulator firmware;
+static char ours[64];
 static struct relay_way out, back; /* to the firmware, from it */
 static volatile int out_line, back_line, ended;
 static uint64_t seed = 1;
@@ -45,34 +43,6 @@ static uint64_t now_ns(void)
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
-}
-
-/* The start of QEMU, and the name of the pty out of what it says. */
-static int start_firmware(void)
-{
-    int ends[2];
-    if (pipe(ends) || (firmware = fork()) < 0)
-        return 0;
-    if (firmware == 0) {
-        dup2(ends[1], 1);
-        dup2(ends[1], 2);
-        close(ends[0]);
-        execvp(command[0], command);
-        _exit(127);
-    }
-    close(ends[1]);
-    FILE *said = fdopen(ends[0], "r");
-    char line[256];
-    theirs[0] = 0;
-    while (!theirs[0] && fgets(line, sizeof line, said)) {
-        const char *name = strstr(line, "redirected to ");
-        if (name)
-            sscanf(name, "redirected to %63s", theirs);
-        else
-            printf("    %s", line);
-    }
-    fclose(said);
-    return theirs[0] != 0;
 }
 
 static double since(uint64_t then_ns)
@@ -277,9 +247,7 @@ static void silence_is_loss_and_is_cleared(void)
 
 static void the_end_of_the_firmware_is_noticed(void)
 {
-    kill(firmware, SIGKILL);
-    waitpid(firmware, NULL, 0);
-    firmware = 0;
+    emulator_kill(&firmware);
     CHECK(go_on(1.5, is_lost), "not lost");
     ended = 1;
     pthread_join(relay, NULL);
@@ -292,14 +260,13 @@ static void the_end_of_the_firmware_is_noticed(void)
 
 int main(int argc, char **argv)
 {
-    command = argv + 1;
-    if (argc < 2 || !start_firmware()) {
+    if (argc < 2 || !emulator_start(&firmware, argv + 1)) {
         printf("    the firmware does not start\n1 failed\n");
         return 2;
     }
     begin_silence();
     out.from = back.to = relay_pty(ours);
-    out.to = back.from = relay_open(theirs);
+    out.to = back.from = relay_open(firmware.line);
     out.fate = back.fate = choose_fate;
     if (out.from >= 0 && out.to >= 0 && pthread_create(&relay, NULL, keep_relaying, NULL) == 0)
         TEST(opens);
@@ -312,9 +279,6 @@ int main(int argc, char **argv)
     } else {
         check_failed++;
     }
-    if (firmware > 0) {
-        kill(firmware, SIGKILL);
-        waitpid(firmware, NULL, 0);
-    }
+    emulator_kill(&firmware);
     return check_report();
 }

@@ -5,6 +5,8 @@
 # to end, the driver against it.
 #
 #     sh tests/firmware/run.sh [BUILD_DIR]
+#
+# PULLS (16) is how often the plug is pulled while docs/samples/safe_device.c runs on it.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 build=${1:-build}
@@ -32,7 +34,8 @@ link="-T tests/firmware/m7.ld -nostartfiles -Wl,--gc-sections --specs=nosys.spec
 run="qemu-system-arm -M mps2-an500 -display none -monitor none -semihosting-config enable=on,target=native"
 
 "$build/dynpoint" make membrane 512 -o "$out/mesh.ply" >>"$out/log" 2>&1 &&
-    "$build/dynpoint" compile "$out/mesh.ply" -o "$out/mesh.c" --c-array flash_mesh >>"$out/log" 2>&1
+    "$build/dynpoint" compile "$out/mesh.ply" -o "$out/mesh.c" --c-array flash_mesh >>"$out/log" 2>&1 &&
+    "$build/dynpoint" compile "$out/mesh.ply" -o "$out/mesh.dpa" >>"$out/log" 2>&1
 verdict $? "512 triangles as an array in C"
 ${CC:-cc} -std=gnu99 -Iinclude tests/firmware/arm.c "$build/libdynpoint_compile.a" "$build/libdynpoint.a" -lm -lpthread \
     -o "$out/arm" >>"$out/log" 2>&1 && "$out/arm" >"$out/arm.c"
@@ -49,6 +52,8 @@ wire="drivers/serial/wire.c drivers/serial/wire_device.c"
 [ $is_built -eq 0 ] &&
     ${cross}gcc $flags $machine -DPERIOD=4 -DWATCHDOG=0.5f tests/firmware/device.c tests/firmware/board.c $wire $link \
         -o "$out/device.elf" >>"$out/log" 2>&1 &&
+    ${cross}gcc $flags $machine -DPERIOD=4 -DWATCHDOG=0.5f -DPRESS=0.015 -DMETER=1 tests/firmware/device.c tests/firmware/board.c \
+        $wire $link -o "$out/pressed.elf" >>"$out/log" 2>&1 &&
     ${cross}gcc $flags $machine tests/firmware/measure.c tests/firmware/board.c $wire $core "$out/mesh.c" "$out/arm.c" $link \
         -o "$out/measure.elf" >>"$out/log" 2>&1
 verdict $? "a device and what measures a tick are built for it without a warning, see $out/log"
@@ -140,5 +145,17 @@ if [ -x "$build/tests/firmware/link" ]; then
     passed=$((passed + $1)) failed=$((failed + $2))
 else
     bad "no $build/tests/firmware/link"
+fi
+
+# safe_device on it, and the plug pulled.
+if [ -x "$build/tests/firmware/pull" ] && [ -x "$build/tests/safe_device" ]; then
+    pulls=${PULLS:-16}
+    timeout $((60 + 10 * pulls)) "$build/tests/firmware/pull" "$build/tests/safe_device" "$out/mesh.dpa" "$out/meter" $pulls $run -chardev pty,id=p \
+        -serial chardev:p -serial "file:$out/meter" -kernel "$out/pressed.elf" >"$out/pull.log" 2>&1
+    cat "$out/pull.log" | sed '$d'
+    set -- $(sed -n '$s/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 \2/p' "$out/pull.log") 0 1
+    passed=$((passed + $1)) failed=$((failed + $2))
+else
+    bad "no $build/tests/firmware/pull or safe_device"
 fi
 finish

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "fuzz/target.h"
-#include "host/json_value.h"
+#include "scene/json_value.h"
 
 static inline void check_line(const char *text, size_t room)
 {

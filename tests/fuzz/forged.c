@@ -13,8 +13,8 @@
 #include "base/crc32.h"
 #include "dynpoint/compile.h"
 #include "fuzz/target.h"
-#include "host/shape.h"
 #include "mesh/mesh_swap.h"
+#include "scene/shape.h"
 
 enum { REPAIR_INDICES = 1, REPAIR_FLOATS = 2, OTHER_ORDER = 4, ASKED_SHIFT = 3 };
 

@@ -27,6 +27,22 @@ static void check_refusal(dpt_result result, const dpt_compiled *compiled, const
         MUST(*at >= ' ' && *at <= '~');
 }
 
+struct noted {
+    const uint8_t *bytes;
+    size_t size;
+};
+
+/* A place in the file, and printable text. */
+static void check_note(void *user, const dpt_diag *note)
+{
+    const struct noted *of = user;
+    const char *end = memchr(note->text, 0, sizeof note->text);
+    MUST(note->code == DPT_OK && note->byte <= of->size && note->line <= lines_of(of->bytes, of->size));
+    MUST(end && end > note->text);
+    for (const char *at = note->text; at < end; at++)
+        MUST(*at >= ' ' && *at <= '~');
+}
+
 /* A source number's place has that number; the others are counted as dropped. */
 static void check_places(const struct dpt_mesh *mesh)
 {
@@ -92,7 +108,10 @@ static void check_compiled(const dpt_compiled *compiled, const dpt_compiled *aga
 
 void fuzz_reader(uint32_t format, const uint8_t *bytes, size_t size)
 {
-    const dpt_compile_def def = { .size = sizeof def, .format = format };
+    struct noted noted = { bytes, size };
+    const dpt_compile_def def = {
+        .size = sizeof def, .format = format, .recentre = size % 4 == 0, .note = check_note, .note_user = &noted
+    };
     dpt_diag diag = { .size = sizeof diag };
     dpt_compiled compiled, again;
     dpt_result result = dpt_compile_bytes(bytes, size, &def, &compiled, &diag);

@@ -3,14 +3,14 @@
  * Scene files: refused with a line or a place and a reason, or numbers that are all in their ranges. Of a scene of few
  * triangles a world is made, which refuses none of them, and takes some steps.
  */
-#include "host/scene_file.h"
+#include "scene/scene_file.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "fuzz/fault_check.h"
-#include "host/scene_bodies.h"
-#include "host/shape.h"
+#include "scene/scene_bodies.h"
+#include "scene/shape.h"
 
 /* What is quick enough. */
 enum { FEW_TRIANGLES = 300, FEW_REGIONS = 64, STEPS = 3 };

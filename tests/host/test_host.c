@@ -317,6 +317,26 @@ static void every_scene_opens(void)
     CHECK(count >= 6 && !dpt_host_get_scene(UINT32_MAX), "%u scenes", count);
 }
 
+/* A device that stops itself gives no force, and the host tells so, and why. */
+static void a_fault_is_told(void)
+{
+    dpt_host_def def = usual();
+    def.device = "sim:?hand=press&fault=estop@0.2";
+    def.ticks = 500;
+    dpt_host *host = open_host(&def);
+    CHECK(dpt_host_run(host, NULL, NULL) == DPT_OK || info_of(host).ticks == 500, "it ended");
+    const dpt_host_info info = info_of(host);
+    CHECK(strstr(info.trouble, "the device had stopped itself on 3") && strstr(info.trouble, " of 500 ticks (") &&
+              strstr(info.trouble, "), and gave no force") && !strchr(info.trouble, '\n'),
+          "'%s'", info.trouble);
+    dpt_host_close(host, NULL);
+    def.device = "sim:?hand=press";
+    host = open_host(&def);
+    dpt_host_run(host, NULL, NULL);
+    CHECK(!info_of(host).trouble[0], "'%s'", info_of(host).trouble);
+    dpt_host_close(host, NULL);
+}
+
 static void nothing_may_be_null(void)
 {
     dpt_wrench wrench = { { 1, 1, 1 }, { 1, 1, 1 } };
@@ -418,7 +438,7 @@ static void structs_of_any_size(void)
     dpt_host_def def;
     const dpt_device_info device = info_of_device("sim");
     const dpt_device_state state = { .size = sizeof state };
-    const struct sized of_def = { "dpt_host_def", sizeof(dpt_host_def), sizeof(dpt_host_def), def_of };
+    const struct sized of_def = { "dpt_host_def", offsetof(dpt_host_def, tips), sizeof(dpt_host_def), def_of };
     const struct sized of_error = { "dpt_host_error", sizeof(dpt_host_error), sizeof(dpt_host_error), error_of };
     const struct sized of_info = { "dpt_host_info", sizeof(dpt_host_info), sizeof(dpt_host_info), counts_of };
     const struct sized of_device = { "dpt_device_info of a host", sizeof device, sizeof device, info_taken };
@@ -446,6 +466,7 @@ int main(int argc, char **argv)
     TEST(what_cannot_be_says_why);
     TEST(notes_are_said);
     TEST(every_scene_opens);
+    TEST(a_fault_is_told);
     TEST(nothing_may_be_null);
     TEST(another_thread_stops_it);
     TEST(structs_of_any_size);

@@ -72,6 +72,25 @@ struct file file_of_bulging_shape(const char *name, uint64_t count, double poiss
     return file_of_springs(name, count, DPT_NET_VOLUME, poisson);
 }
 
+struct file file_of_moved_shape(const char *name, uint64_t count)
+{
+    struct shape shape;
+    shape_reason reason;
+    dpt_compiled compiled = { NULL, 0 };
+    const dpt_compile_def def = { .size = sizeof def, .recentre = 1 };
+    if (shape_make(name, count, 0, &shape, reason) == 0) {
+        for (size_t v = 0; v < shape.vertex_count; v++)
+            shape.vertices[3 * v] += 1000.0;
+        dpt_compile_arrays(shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def, &compiled,
+                           NULL);
+    }
+    shape_free(&shape);
+    struct file file = file_of(compiled.bytes, compiled.size);
+    dpt_compiled_free(&compiled);
+    dpt_mesh_convert(file.bytes, file.size, NULL);
+    return file;
+}
+
 uint32_t crc_of(const unsigned char *bytes, size_t size)
 {
     uint32_t crc = 0xffffffffu;
@@ -91,7 +110,7 @@ size_t header_bytes_of(const struct dpt_mesh *header)
            : header->version == 4 ? 944
            : header->version == 5 ? 1104
            : header->version == 6 ? 1488
-                                  : 1600;
+                                  : 1624;
 }
 
 static int sections_of(const struct dpt_mesh *header)
@@ -166,7 +185,7 @@ struct file other_order(const struct file *file)
     if (sections == 12)
         reverse(bytes + 800, 4, 4);
     if (sections >= 14) {
-        unsigned char *tail = bytes + (sections == 14 ? 896 : sections == 17 ? 1040 : 1376);
+        unsigned char *tail = bytes + (sections == 14 ? 896 : sections == 17 ? 1040 : sections == 24 ? 1376 : 1472);
         reverse(tail, 4, 6);
         reverse(tail + 24, 8, 1);
         if (length >= 944)
@@ -175,10 +194,12 @@ struct file other_order(const struct file *file)
             reverse(tail + 48, 4, 2);
             reverse(tail + 56, 8, 1);
         }
-        if (length == 1488) {
+        if (length >= 1488) {
             reverse(tail + 64, 4, 4);
             reverse(tail + 80, 8, 4);
         }
+        if (length == 1624)
+            reverse(tail + 112, 8, 5);
     }
     header.header_crc32 = crc_of(bytes, length);
     reverse((unsigned char *)&header.header_crc32, 4, 1);

@@ -10,9 +10,9 @@
 
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/check.h"
 #include "mesh/mesh_format.h"
+#include "scene/shape.h"
 
 struct file {
     unsigned char *bytes;
@@ -48,6 +48,9 @@ struct file file_of_sprung_shape(const char *name, uint64_t count, uint32_t kind
 
 /* With a volume of another Poisson's ratio: its cells have a term. */
 struct file file_of_bulging_shape(const char *name, uint64_t count, double poisson);
+
+/* Moved to the origin by the compiler, from 1000 m along x. */
+struct file file_of_moved_shape(const char *name, uint64_t count);
 
 /* Bit by bit: slower than the library's, and not derived from it. */
 uint32_t crc_of(const unsigned char *bytes, size_t size);

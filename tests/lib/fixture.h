@@ -5,8 +5,8 @@
 
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/check.h"
+#include "scene/shape.h"
 
 struct fixture {
     dpt_compiled compiled;

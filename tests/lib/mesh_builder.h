@@ -10,8 +10,8 @@
 
 #include "dynpoint/compile.h"
 #include "dynpoint/kernel.h"
-#include "host/shape.h"
 #include "lib/check.h"
+#include "scene/shape.h"
 
 #define PI 3.14159265358979323846
 

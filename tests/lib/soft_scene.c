@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-#include "host/scene_list.h"
-#include "host/scene_physics.h"
+#include "scene/scene_list.h"
+#include "scene/scene_physics.h"
 
 #define RADIUS 0.004 /* m, of the ball */
 
@@ -29,7 +29,8 @@ int soft_scene_open(struct soft_scene *scene, const char *name, double rate, uin
     memset(scene, 0, sizeof *scene);
     dpt_host_error error = { .size = sizeof error };
     if (scene_bodies_of_list(&scene->bodies, scene_listed(name), &identity, &error) != DPT_OK ||
-        (rate > 0.0 && scene_physics_choose(&scene->bodies, name, rate, &error) != DPT_OK) || !open_world(scene, law)) {
+        (rate > 0.0 && scene_physics_choose(&scene->bodies, name, "physics", rate, &error) != DPT_OK) ||
+        !open_world(scene, law)) {
         CHECK(0, "%s at %g Hz does not open: %s", name, rate, error.text);
         return 0;
     }

@@ -3,8 +3,8 @@
 #ifndef DPT_TESTS_SOFT_SCENE_H
 #define DPT_TESTS_SOFT_SCENE_H
 
-#include "host/scene_bodies.h"
 #include "lib/rig.h"
+#include "scene/scene_bodies.h"
 
 #define SOFT_TICK 1e-3 /* s */
 

@@ -6,10 +6,10 @@
 #include "data/motion.h"
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/check.h"
 #include "lib/vector.h"
 #include "oracle/depth.h"
+#include "scene/shape.h"
 
 struct solid {
     const char *name;

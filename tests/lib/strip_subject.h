@@ -8,9 +8,9 @@
 #include "dynpoint.h"
 #include "dynpoint/compile.h"
 #include "dynpoint/strip.h"
-#include "host/shape.h"
 #include "lib/check.h"
 #include "oracle/surface.h"
+#include "scene/shape.h"
 
 struct subject {
     char name[264];

@@ -8,10 +8,10 @@
  * copy of it that notes in `site` the line of the check that failed (tests.mk), and a check that no row reaches fails
  * the test.
  *
- * The damaged files are made here, each from one of seven whole ones in the host's byte order: `plain`, a sphere of 40
+ * The damaged files are made here, each from one of eight whole ones in the host's byte order: `plain`, a sphere of 40
  * triangles, closed; `holed`, the same less one, which so has moments; `embedded`, the same in 27 nodes; `sheet`
- * and `volume`, the same with springs; `old` and `old_4`, the golden files of versions 1 and 4. A row says what is changed, one word or the length, and which checksums
- * are made good afterwards.
+ * and `volume`, the same with springs; `moved`, the same from far away; `old` and `old_4`, the golden files of versions 1
+ * and 4. A row says what is changed, one word or the length, and which checksums are made good afterwards.
  */
 #include <math.h>
 
@@ -22,7 +22,7 @@
 
 static const char *reader = "src/mesh/mesh_open.c";
 
-enum whole { PLAIN, HOLED, EMBEDDED, SHEET, VOLUME, CELLS, OLD, OLD_4, WHOLES };
+enum whole { PLAIN, HOLED, EMBEDDED, SHEET, VOLUME, CELLS, MOVED, OLD, OLD_4, WHOLES };
 static struct file wholes[WHOLES];
 
 enum seal { AS_IT_IS, HEADER, ALL };
@@ -196,6 +196,8 @@ static void add_layout_rows(void)
           TAIL(outside_distance) },
         { EMBEDDED, SET, MESH_HEADER, TAIL(outside_distance) + upper, 0xbff00000, HEADER, finite, NULL,
           TAIL(outside_distance) },
+        { MOVED, SET, MESH_HEADER, AT(tail.origin) + upper, 0x7ff00000, HEADER, finite, NULL, AT(tail.origin) },
+        { MOVED, SET, MESH_HEADER, AT(tail.origin[2]) + upper, 0xc1d00000, HEADER, finite, NULL, AT(tail.origin) },
         /* check_example: one of two, and a number that there is not */
         { PLAIN, SET, MESH_HEADER, TAIL(self_intersection), 0, HEADER, index, NULL, THERE },
         { PLAIN, SET, MESH_HEADER, TAIL(self_intersection) + 4, t, HEADER, index, NULL, TAIL(self_intersection) },
@@ -356,7 +358,7 @@ static void each_check_has_its_damage(void)
 
 static void no_check_is_forgotten(void)
 {
-    site_expect_all(reader, 45);
+    site_expect_all(reader, 46);
 }
 
 static void whole_files_pass_all(void)
@@ -389,6 +391,7 @@ int main(int argc, char **argv)
     wholes[SHEET] = file_of_sprung_shape("sphere", 40, DPT_NET_SHEET);
     wholes[VOLUME] = file_of_sprung_shape("sphere", 40, DPT_NET_VOLUME);
     wholes[CELLS] = file_of_bulging_shape("sphere", 40, 0.45);
+    wholes[MOVED] = file_of_moved_shape("sphere", 40);
     wholes[OLD] = open_golden("tests/golden/torus.dpa");
     wholes[OLD_4] = open_golden("tests/golden/torus_4.dpa");
     TEST(whole_files_pass_all);

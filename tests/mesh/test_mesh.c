@@ -12,9 +12,13 @@
  *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_6_nodes.dpa --nodes tests/golden/torus
  *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_6_sheet.dpa --springs sheet --bending 100
  *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_6_volume.dpa --springs volume --spacing 0.05
+ *     build/dynpoint compile tests/golden/torus_far.ply -o tests/golden/torus_7.dpa --recentre
+ *     build/dynpoint compile tests/golden/torus.ply -o tests/golden/torus_7_cells.dpa --springs volume --spacing 0.05 \
+ *         --poisson 0.45
  *
- * torus.dpa to torus_5_nodes.dpa by compilers of versions 1 to 5. They are to be kept: a new format gets a new file beside
- * them, for every version must always open. torus.node and torus.ele are a cube about the torus, cut in six.
+ * torus_far.ply is torus.ply, 1000 m away. torus.dpa to torus_5_nodes.dpa by compilers of versions 1 to 5. They are to be
+ * kept: a new format gets a new file beside them, for every version must always open. torus.node and torus.ele are a cube
+ * about the torus, cut in six.
  *
  * All tests start from a file in the host's byte order, and so hold on every machine.
  */
@@ -336,9 +340,9 @@ static struct file read_golden(const char *name)
 }
 
 /* The compiler writes the same bytes, but for its own version. */
-static void expect_golden(const char *name, const dpt_compile_def *def)
+static void expect_golden(const char *from, const char *name, const dpt_compile_def *def)
 {
-    struct file source = read_golden("torus.ply"), kept = read_golden(name);
+    struct file source = read_golden(from), kept = read_golden(name);
     dpt_compiled compiled;
     if (source.size && kept.size > sizeof(struct dpt_mesh) &&
         dpt_compile_bytes(source.bytes, source.size, def, &compiled, NULL) == DPT_OK) {
@@ -366,7 +370,7 @@ static void golden_files_are_what_we_write(void)
     dpt_diag diag = { .size = sizeof diag };
     struct tetgen mesh = { .nodes = NULL };
     struct compile_context context;
-    expect_golden("torus_6.dpa", NULL);
+    expect_golden("torus.ply", "torus_6.dpa", NULL);
     compile_context_init(&context, NULL, &diag);
     CHECK(tetgen_read_nodes(&mesh, &context, node.bytes, node.size) == DPT_OK &&
               tetgen_read_cells(&mesh, &context, ele.bytes, ele.size) == DPT_OK,
@@ -376,13 +380,18 @@ static void golden_files_are_what_we_write(void)
                                   .cells = mesh.cells,
                                   .node_count = mesh.node_count,
                                   .cell_count = mesh.cell_count };
-    expect_golden("torus_6_nodes.dpa", &def);
+    expect_golden("torus.ply", "torus_6_nodes.dpa", &def);
     const dpt_spring_net_def sheet = { .size = sizeof sheet, .kind = DPT_NET_SHEET, .bending = 100.0 };
     const dpt_spring_net_def volume = { .size = sizeof volume, .kind = DPT_NET_VOLUME, .spacing = 0.05 };
     dpt_compile_def with_springs = { .size = sizeof with_springs, .springs = &sheet };
-    expect_golden("torus_6_sheet.dpa", &with_springs);
+    expect_golden("torus.ply", "torus_6_sheet.dpa", &with_springs);
     with_springs.springs = &volume;
-    expect_golden("torus_6_volume.dpa", &with_springs);
+    expect_golden("torus.ply", "torus_6_volume.dpa", &with_springs);
+    const dpt_spring_net_def cells = { .size = sizeof cells, .kind = DPT_NET_VOLUME, .spacing = 0.05, .poisson = 0.45 };
+    with_springs.springs = &cells;
+    expect_golden("torus.ply", "torus_7_cells.dpa", &with_springs);
+    const dpt_compile_def moved = { .size = sizeof moved, .recentre = 1 };
+    expect_golden("torus_far.ply", "torus_7.dpa", &moved);
     tetgen_free(&mesh);
     free(node.bytes);
     free(ele.bytes);
@@ -406,8 +415,8 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     const dpt_mesh *meshes[2] = { NULL, NULL };
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_section section = { .size = sizeof section };
-    uint32_t flags, sections = version == 1 ? 11 : version == 2 ? 12 : version < 5 ? 14 : version == 5 ? 17 : 24;
-    uint32_t vertices, nodes;
+    const uint32_t counts[] = { 0, 11, 12, 14, 14, 17, 24, 26 }, sections = counts[version];
+    uint32_t flags, vertices, nodes;
     const uint32_t *numbers, *embed_nodes;
     const float *weights;
     uint64_t random = 5;
@@ -459,6 +468,17 @@ static void answer_alike(const struct file *old, const struct file *today, uint3
     use_mesh(meshes[0], &random);
 }
 
+/* A mesh that was moved knows from where. */
+static void expect_origin(const struct file *file, const double origin[3])
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    const dpt_mesh *mesh;
+    CHECK(dpt_mesh_open(file->bytes, file->size, &mesh) == DPT_OK && dpt_mesh_get_info(mesh, &info) == DPT_OK,
+          "does not open");
+    CHECK(info.format_version == 7 && !memcmp(info.origin, origin, sizeof info.origin), "from %g %g %g", info.origin[0],
+          info.origin[1], info.origin[2]);
+}
+
 /* Every version opens forever, in either byte order, and is checked as today's is. */
 static void all_versions_open(void)
 {
@@ -468,14 +488,17 @@ static void all_versions_open(void)
     } files[] = {
         { "torus.dpa", 1 },         { "torus_2.dpa", 2 },        { "torus_3.dpa", 3 }, { "torus_4.dpa", 4 },
         { "torus_5.dpa", 5 },       { "torus_5_nodes.dpa", 5 },  { "torus_6.dpa", 6 }, { "torus_6_nodes.dpa", 6 },
-        { "torus_6_sheet.dpa", 6 }, { "torus_6_volume.dpa", 6 },
+        { "torus_6_sheet.dpa", 6 }, { "torus_6_volume.dpa", 6 }, { "torus_7.dpa", 7 }, { "torus_7_cells.dpa", 7 },
     };
     struct file today = file_of_shape("torus", 96);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         struct file old = read_golden(files[i].name);
         dpt_mesh_convert(old.bytes, old.size, NULL);
         CHECK(fault_of(&old).code == DPT_OK, "does not open");
-        answer_alike(&old, &today, files[i].version);
+        if (!strcmp(files[i].name, "torus_7.dpa"))
+            expect_origin(&old, (const double[3]){ 1000.0, 0.0, 0.0 });
+        else
+            answer_alike(&old, &today, files[i].version);
         for (size_t size = 0; size < old.size; size += size < 1000 ? 1 : 97) {
             struct file cut = file_of(old.bytes, size);
             expect_fault(&cut, DPT_E_TRUNCATED, size, "header");

@@ -5,10 +5,11 @@
  *     test_proxy_soak [TICKS = 400000 [SEED = 1 [MESH]]]
  *
  * Hands walk through all made shapes and, with DPT_DATA, all public meshes, at up to 1 m/s, with a tremor, some with
- * jumps of 0.3 m, some within a budget. The gap is asked of a brute force (soak_oracle.h): at each tick on meshes of up
- * to 6,000 triangles, at each 100th above. On closed meshes so is the side of both ends and the middle of each segment: a
- * point that moved by less than its two distances together has passed nothing, else the crossings on the straight way
- * between are counted, and where they are odd, those of three rays. A tenth as many pokes as ticks try to get through
+ * jumps of 0.3 m, some within a budget, some through meshes that move and turn. The gap is asked of a brute force
+ * (soak_oracle.h) in the mesh's frame: at each tick on meshes of up to 6,000 triangles, at each 100th above. On closed
+ * meshes so is the side of both ends and the middle of each segment: a point that moved by less than its two distances
+ * together has passed nothing, else the crossings on the straight way between are counted, and where they are odd, those
+ * of three rays. A tenth as many pokes as ticks try to get through
  * walls and sheets that are flat, where the side is a sign, and through spherical shells.
  *
  * It cannot judge the way between two ticks, but where that must end. The side of open meshes is judged on flat sheets
@@ -59,7 +60,7 @@ enum { INSTRUMENTS = sizeof instruments / sizeof *instruments, STRAIGHT = INSTRU
 
 /* So far, of all meshes. */
 static struct {
-    uint64_t meshes, ticks, acts, judged, proven, crossed, grazed, rays, replaced, squeezed, folds;
+    uint64_t meshes, ticks, moved, acts, judged, proven, crossed, grazed, rays, replaced, squeezed, folds;
     double least; /* gap, of the diagonal as above */
 } all = { .least = INFINITY };
 
@@ -74,6 +75,8 @@ struct walk {
     double speed, tremor, frequency, jumps; /* m/s, m, rad per tick, m */
     double axis[3], nod[3], turn, swing, rate;
     uint64_t hold; /* ticks: an aim is kept so long */
+    dpt_pose body;
+    double sway, lean, pace; /* m, rad, rad per tick: how the body goes to and fro */
     /* The pose that was judged last. */
     double points[RIG_SEGMENTS][POINTS][3], away[RIG_SEGMENTS];
     int is_known;
@@ -138,7 +141,25 @@ static void hand_begin(struct walk *walk)
     walk->turn = random_in(seed, 0, 3.14);
     walk->swing = random_bits(seed) % 2 ? random_in(seed, 0, 1) : 0;
     walk->rate = random_in(seed, 0, 0.01);
+    walk->body = (dpt_pose)DPT_POSE_IDENTITY;
+    walk->sway = random_bits(seed) % 3 ? 0 : random_in(seed, 0, 0.01);
+    walk->lean = walk->sway > 0 ? random_in(seed, 0, 0.1) : 0;
+    walk->pace = random_in(seed, 0, 0.02);
     hand_place(walk);
+}
+
+/* One tick of the body, if it moves. */
+static void body_move(struct walk *walk)
+{
+    static const double axis[3] = { 0.48, 0.6, 0.64 };
+    const double time = walk->pace * (double)walk->tick;
+    if (!(walk->sway > 0))
+        return;
+    for (int k = 0; k < 3; k++)
+        walk->body.position[k] = walk->sway * sin((1 + 0.3 * k) * time);
+    pose_orient(&walk->body, axis, walk->lean * sin(0.7 * time));
+    CHECK(dpt_body_set_pose(walk->rig.world, walk->rig.body, &walk->body) == DPT_OK, "%s: no pose", walk->name);
+    all.moved++;
 }
 
 /* One tick of the hand: it bends towards its aim, trembles, and is no faster than 1 m/s but where it jumps. */
@@ -206,6 +227,8 @@ static void judge(struct walk *walk)
         const double radius = rig->segments[s].radius;
         double ends[6];
         rig_proxy_ends(rig, s, ends);
+        pose_local(&walk->body, ends, ends);
+        pose_local(&walk->body, ends + 3, ends + 3);
         const double away = soak_distance(walk->oracle, ends, radius + 2e-3);
         const double gap = (away - radius) / scale;
         all.least = fmin(all.least, gap);
@@ -234,6 +257,7 @@ static void walk_once(struct soak_oracle *oracle, uint64_t number, uint64_t tick
     hand_begin(&walk);
     for (; walk.tick < ticks; walk.tick++) {
         hand_move(&walk);
+        body_move(&walk);
         rig_step(&walk.rig);
         all.ticks++;
         all.acts += walk.rig.force.reason == DPT_FORCE_ACTS;
@@ -336,9 +360,10 @@ static void thin_things_are_never_passed(void)
 
 static void walks_are_worth_it(void)
 {
-    printf("    %llu meshes, %llu ticks, %llu with a force, %llu judged; least gap %.3g of the diagonal\n",
-           (unsigned long long)all.meshes, (unsigned long long)all.ticks, (unsigned long long)all.acts,
-           (unsigned long long)all.judged, all.least);
+    printf(
+        "    %llu meshes, %llu ticks, %llu of them moving, %llu with a force, %llu judged; least gap %.3g of the diagonal\n",
+        (unsigned long long)all.meshes, (unsigned long long)all.ticks, (unsigned long long)all.moved,
+        (unsigned long long)all.acts, (unsigned long long)all.judged, all.least);
     printf("    sides: %llu proven, %llu crossings counted, %llu of them grazing; rays from %llu points\n",
            (unsigned long long)all.proven, (unsigned long long)all.crossed, (unsigned long long)all.grazed,
            (unsigned long long)all.rays);

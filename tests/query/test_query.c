@@ -372,6 +372,9 @@ static void refuses_what_it_cannot(void)
     CHECK(dpt_query_segments(mesh, NULL, NULL, NULL, 1, &hit, NULL) == DPT_E_ARGUMENT, "ends");
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, NULL, NULL) == DPT_E_ARGUMENT, "hits");
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 0, NULL, NULL) == DPT_OK, "none asked");
+    const size_t counts[] = { UINT32_MAX, UINT32_MAX - 1, (size_t)INT32_MAX + 1, SIZE_MAX };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        CHECK(dpt_query_segments(mesh, NULL, ends, NULL, counts[i], &hit, NULL) == DPT_E_LIMIT, "%zu", counts[i]);
     hit.size = 8;
     CHECK(dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, NULL) == DPT_E_SIZE, "size");
     hit.size = sizeof hit;

@@ -54,15 +54,16 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     check 'with the same bytes' cmp -s arm.dpa stdout
     refuses 'a description without robot' 'not a URDF' compile "$golden/sdf.urdf" -o out/x
     echo '<COLLADA/>' >mesh.dae
-    refuses 'a mesh in XML' 'mesh.dae: neither OBJ' compile mesh.dae -o out/x
+    refuses 'a mesh in XML' 'mesh.dae: this is COLLADA: python3 -c' compile mesh.dae -o out/x
     refuses 'the line of a refusal' 'zero_axis.urdf:14: joint' \
         compile "$golden/zero_axis.urdf" -o out/x
     refuses 'notes of what is refused' "arm.urdf: there is no link 'nonesuch'" \
         compile "$sample" -o out/x --tool nonesuch
-    refuses '--tool with a mesh' '--tool and --packages are for a URDF' \
-        compile box.ply -o out/x --tool tip
-    refuses '--packages with a mesh' '--tool and --packages are for a URDF' \
-        compile box.ply -o out/x --packages .
+    for option in '--tool tip' '--packages .' '--skip tip' --without-scene; do
+        # shellcheck disable=SC2086
+        refuses "$option with a mesh" '--tool, --packages, --skip and --without-scene are for a URDF' \
+            compile box.ply -o out/x $option
+    done
     succeeds 'notes' compile "$golden/extensions.urdf" -o noted.dpa
     check "notes: $(cat stderr)" grep -q \
         'extensions.urdf:[0-9]*: note: <transmission> in <robot> is left out, 2 times' stderr
@@ -80,7 +81,23 @@ sys.exit(json.load(open("stdout"))["joints"][2]["name"] != "e\"l\\b")'
     printf '</collision></link><link name="t"/><joint name="j" type="continuous"><parent link="b"/>' \
         >>plate.urdf
     echo '<child link="t"/></joint></robot>' >>plate.urdf
-    refuses 'a package that is not found' "link 'b': 'package://plates" compile plate.urdf -o out/x
+    refuses 'a package that is not found' 'is not found: name the folder that holds the package by --packages' \
+        compile plate.urdf -o out/x
+    mkdir -p prefix/share && cp -r "$golden/packages/plates" prefix/share
+    for found in "ROS_PACKAGE_PATH=/nowhere:$golden/packages" "ROS_PACKAGE_PATH=$golden/packages/plates" \
+        "AMENT_PREFIX_PATH=/nowhere:$PWD/prefix"; do
+        env "$found" "$program" compile plate.urdf -o plate.dpa >stdout 2>stderr
+        status=$?
+        check "$found: $(cat stderr)" test $status -eq 0
+    done
+    sed 's/package[^"]*/base.dae/' plate.urdf >collada.urdf
+    refuses 'COLLADA in the scene' "'base.dae' is COLLADA: make it an STL (docs/urdf.md#collada-and-gltf), or leave it out: --skip" \
+        compile collada.urdf -o out/x
+    sed 's/package[^"]*/base.glb/' plate.urdf >gltf.urdf
+    refuses 'glTF in the scene' "'base.glb' is glTF: make it an STL" compile gltf.urdf -o out/x
+    succeeds '--skip' compile collada.urdf -o skipped.dpa --skip t --skip b
+    succeeds '--without-scene' compile collada.urdf -o bare.dpa --without-scene
+    refuses '--skip of no link' "there is no link 'c' to skip" compile collada.urdf -o out/x --skip c
     succeeds '--packages' compile plate.urdf -o plate.dpa --packages "$golden/packages" --scale 0.5
     check "--packages: $(cat stdout)" grep -q ' 1 body' stdout
     # A ':' behind a drive's letter is no end of a path, and one letter is a folder too.

@@ -14,6 +14,69 @@ damage()
     printf "\\$(printf %03o "$new")" | dd of="$2" bs=1 seek="$3" conv=notrunc 2>dd.log
 }
 
+# What people have: formats of others, headers of others, bytes behind the end.
+foreign_inputs()
+{
+    printf '# vtk DataFile Version 5.1\nx\n' >organ.vtk
+    printf '<?xml version="1.0"?>\n<VTKFile type="PolyData">' >organ.vtp
+    printf 'glTF\002\000\000\000' >organ.glb
+    printf '{"asset":{"version":"2.0"}}' >organ.gltf
+    printf 'PK\003\004 3D/3dmodel.model' >organ.3mf
+    printf '<COLLADA/>' >organ.dae
+    printf '$MeshFormat\n' >organ.msh
+    printf '\037\213\010' >organ.stl.gz
+    while read -r name words; do
+        refuses "compile: $name" "$words" compile "$name" -o out/x
+        cp "$name" organ.stl
+        refuses "compile: $name by content" 'organ.stl: this is ' compile organ.stl -o out/x
+    done <<'WORDS'
+organ.vtk this is VTK: python3 -c "import pyvista; pyvista.read('organ.vtk').extract_surface().triangulate().save('OUT.stl')"
+organ.vtp (after pip install pyvista), then compile OUT.stl with --unit mm
+organ.glb import trimesh; trimesh.load('organ.glb', force='mesh').export('OUT.stl')
+organ.gltf then compile OUT.stl with --unit m: that of glTF
+organ.3mf (after pip install trimesh networkx lxml), then compile OUT.stl with --unit mm
+organ.dae (after pip install trimesh pycollada), then compile OUT.stl with --scale X
+organ.msh this is a mesh of Gmsh: python3 -c "import pyvista;
+organ.stl.gz gzip -dc 'organ.stl.gz' | dynpoint compile - -o OUT.dpa, with the --unit
+WORDS
+    notes 'bytes behind an STL' '1 triangles that binary STL announces: left out' \
+        compile "$tests/golden-bad/binary_trailing.stl" -o trailing.dpa
+    notes 'text behind an STL' 'text_after_end.stl:10: note: text follows the last solid' \
+        compile "$tests/golden-bad/text_after_end.stl" -o trailing.dpa
+    printf '# 3D Slicer output. SPACE=LPS\nv 0 0 0\nv .1 0 0\nv 0 .1 0\nf 1 2 3\n' >slicer.obj
+    notes 'axes of 3D Slicer' 'note: SPACE=LPS, by 3D Slicer, in mm' compile slicer.obj -o slicer.dpa
+}
+
+# Concave polygons, and meshes far away.
+shapes_of_others()
+{
+    printf 'v .0 0 0\nv .2 0 0\nv .2 .1 0\nv .1 .1 0\nv .1 .2 0\nv .0 .2 0\nv .1 .3 0\n' >l.obj
+    { cat l.obj; echo 'f 1 2 3 4 5 6'; } >concave.obj
+    notes 'a concave polygon' '' compile concave.obj -o concave.dpa
+    check "a concave polygon: $(cat stdout)" grep -q '1 concave polygons$' stdout
+    { cat l.obj; echo 'f 1 2 3 4 5 6'; echo 'f 1 3 2 6'; echo 'f 1 3 2 7'; } >crossing.obj
+    notes 'polygons that cross themselves' \
+        'crossing.obj:9: note: a polygon of 4 corners crosses itself: left a fan of its first corner, and 1 more like it' \
+        compile crossing.obj -o concave.dpa
+    sed 's/^v /v 600000/' concave.obj >far.obj
+    refuses 'a mesh 600 km away' 'far from the origin; --recentre moves it' compile far.obj -o out/x
+    succeeds '--recentre' compile far.obj -o far.dpa --recentre
+    check "--recentre: $(cat stdout)" grep -q '  moved by (-600000.1, -0.1, 0) m, rounded' stdout
+    succeeds 'info of a moved mesh' info far.dpa
+    check "info of a moved mesh: $(cat stdout)" grep -q 'moved to the origin from *600000.1, 0.1, 0 m' stdout
+    run info far.dpa --json
+    check 'info --json of a moved mesh' grep -q '"origin":.600000[.][01][0-9]*,0[.]1[0-9]*,0.' stdout
+    sed 's/^v /v 20000/' concave.obj >off.obj
+    notes 'a mesh 20 km away' 'far from the origin; --recentre moves it' compile off.obj -o far.dpa
+    refuses '--recentre and --nodes' 'exclude each other' compile concave.obj -o out/x --recentre --nodes nothing
+    if [ -n "${DPT_DATA:-}" ]; then
+        notes 'a reported L' '' compile "$DPT_DATA/reports/polygons/concave_L.obj" -o concave.dpa
+        check "a reported L: $(cat stdout)" grep -q '2 concave polygons$' stdout
+    else
+        skip 'a reported L: DPT_DATA is not set'
+    fi
+}
+
 bad_inputs()
 {
     refuses 'compile: missing' none.obj compile none.obj -o out/x
@@ -70,6 +133,10 @@ self_intersections()
     sed 's/-1/0/' cross.obj >touch.obj
     succeeds 'compile: two that cross' compile cross.obj -o cross.dpa
     check "compile: $(cat stdout)" grep -q 'self-intersections: 1 pair of triangles, 0 and 1$' stdout
+    run info box.dpa
+    check 'info: no checksums of sections' test "$(grep -c ' crc ' stdout)" = 0
+    run info box.dpa --sections
+    check 'info --sections: 24 of them' test "$(grep -c '^  section .* crc [0-9a-f]\{8\}$' stdout)" = 24
     run info cross.dpa
     check "info: two that cross" grep -q '^  self-intersections *1$' stdout
     check 'info --json: two that cross' test "$(info_count cross.dpa self_intersections)" = 1
@@ -243,8 +310,22 @@ units()
     done
 }
 
+# What has no length and does not end is read up to 2^30 bytes. Not under sanitizers, which take several times that.
+endless_inputs()
+{
+    case $build in */build/*) return ;; esac
+    printf '#!/bin/sh\nulimit -v 8000000\nexec timeout 60 %s "$@"\n' "'$program'" >limited && chmod 755 limited
+    whole=$program program=$PWD/limited
+    refuses 'compile: endless' 'more than 1073741824 bytes come' compile /dev/zero -o out/x.dpa
+    refuses 'info: endless' 'more than 1073741824 bytes come' info /dev/zero
+    program=$whole
+}
+
 prepare
 bad_inputs
+foreign_inputs
+shapes_of_others
+endless_inputs
 self_intersections
 thickness
 pipes

@@ -54,9 +54,10 @@ earlier_files()
 {
     echo keep >kept.dpa
     refuses 'compile over a file' none.obj compile none.obj -o kept.dpa
+    echo keep >kept.csv
     trace few.csv 0,1
-    refuses 'replay over a file' few.csv replay box.dpa few.csv -o kept.dpa
-    check 'kept.dpa has changed' test "$(cat kept.dpa)" = keep
+    refuses 'replay over a file' few.csv replay box.dpa few.csv -o kept.csv
+    check 'kept files have changed' test "$(cat kept.dpa kept.csv | tr '\n' ' ')" = 'keep keep '
     "$program" compile box.ply -o - >stdout.dpa 2>stderr
     check 'compile -o -' cmp -s stdout.dpa box.dpa
     "$program" replay box.dpa box.csv -o box.out >stdout 2>stderr
@@ -94,6 +95,33 @@ inputs()
     overwrites box.ply compile box.ply -o link.ply
     overwrites box.ply compile link.ply -o box.ply
     rm link.ply
+}
+
+# A name that says another format than what is written, whatever its case; names that say none are taken.
+names()
+{
+    for ending in png PDF txt dpr; do
+        refuses "plot to .$ending" 'what is written is a picture in SVG' plot torus.csv -o out/x.$ending
+        [ $ending = dpr ] ||
+            refuses "record to .$ending" 'let it end in .dpr' run box.dpa --device sim --ticks 5 --record out/x.$ending
+    done
+    for ending in dpa json svg; do
+        refuses "replay to .$ending" 'let it end in .csv' replay box.dpa box.csv -o out/x.$ending
+        refuses "make trace to .$ending" 'let it end in .csv' make trace --mesh box.dpa -o out/x.$ending
+        refuses "identify to .$ending" 'let it end in .txt' device identify sim -o out/x.$ending
+    done
+    succeeds 'record' run box.dpa --device sim --ticks 5 --record x.DPR
+    refuses 'record csv to .dpr' 'let it end in .csv' record csv x.DPR -o out/x.dpr
+    refuses 'compile to .csv' 'let it end in .dpa' compile box.ply -o out/x.csv
+    refuses 'compile to .c without an array' 'let it end in .dpa' compile box.ply -o out/x.c
+    refuses 'an array to .dpa' 'let it end in .c' compile box.ply -o out/x.dpa --c-array box
+    refuses 'view to .svg' 'what is written is a page' view box.dpa -o out/x.svg
+    refuses 'plan to .csv' 'let it end in .json' plan box.dpa --error 1mm --rate 1kHz -o out/x.csv
+    refuses "plan's header to .json" 'let it end in .h' plan box.dpa --error 1mm --rate 1kHz --header out/x.json
+    for name in x.TXT x.out.1 x folder.svg/x; do
+        mkdir -p folder.svg
+        succeeds "replay to $name" replay box.dpa box.csv -o $name
+    done
 }
 
 pipes_and_links()
@@ -152,6 +180,7 @@ missing_folders
 full_disks
 earlier_files
 inputs
+names
 pipes_and_links
 no_reader
 full_streams

@@ -211,6 +211,16 @@ check "another file: exit $status" test $status -eq 2
 refuses 'a recording over the mesh' 'it is an input too' run folder/box.json --device sim --ticks 5 --record folder/meshes/box.dpa
 refuses 'a recording over the file' 'it is an input too' run folder/box.json --device sim --ticks 5 --record folder/box.json
 
+# --- A byte order mark, as some editors write it, before JSON and before settings.
+{ printf '\357\273\277'; cat box.json; } >marked.json
+felt marked marked.json --device "$hand"
+felt unmarked box.json --device "$hand"
+is_same marked unmarked
+echo '{ "bodies": [ }' | { printf '\357\273\277'; cat; } >wrong.json
+refuses 'what is wrong behind a mark has its place' 'wrong.json:1:15: ' run wrong.json --device sim --ticks 5
+printf '\357\273\277mass=0.1\ndamping=2\n' >marked.txt
+succeeds 'settings behind a mark' run box.json --device sim --ticks 5 --identified marked.txt
+
 # --- A tool of an arm, where arms can be compiled.
 if "$program" compile "$docs/samples/arm.urdf" -o folder/arm.dpa >/dev/null 2>&1; then
     echo '{ "bodies": [ { "shape": "box" } ], "tool": { "arm": "arm.dpa" } }' >folder/held.json

@@ -18,6 +18,11 @@ listed()
         check "--list: $case" grep -q "^$case  *[A-Z0-9]" list
     done
     check '--list: a name twice' test "$(cut -d' ' -f1 list | sort -u | wc -l)" -eq "$(wc -l <list)"
+    # Each case that runs without being named is run by this script or one of its neighbours, which hold the exit status.
+    tried=$(sed -n "/^geometry='/,/'\$/p; /^loops='/p; /^tissue='/p" "$tests"/tools/cli_stability*.sh | tr "='" '  ')
+    for case in $(sed -n '/only where named/!s/ .*//p' list); do
+        check "no test runs $case" test -n "$(echo "$tried" | grep -w "$case")"
+    done
 }
 
 refusals()
@@ -129,6 +134,25 @@ counted()
     check "--help: not $cases cases" grep -q "default: $cases cases, all but " stdout
 }
 
+# docs/stability.md tells what the program says: what short cases say with all their places and ticks.
+told()
+{
+    run stability rocking segments sidelimit tilt scale --effort 1 --json
+    check "exit $status: $(cat stderr)" test $status -eq 0
+    python3 -B -c '
+import json, sys
+sys.path.insert(0, sys.argv[1] + "/bench")
+import stability
+page = open(sys.argv[1] + "/../docs/stability.md").read()
+for line in open("stdout"):
+    case = json.loads(line)
+    for part in (stability.figures_table(case), stability.wrap(case["method"]), stability.wrap(case["advice"])):
+        if part not in page:
+            print(case["case"], next((row for row in part.split("\n") if row not in page), "rows"), sep=": ")
+' "$tests" >differs 2>&1
+    check "docs/stability.md is not of this program: $(head -n 1 differs)" test ! -s differs
+}
+
 # The same figures again, as a table too.
 again()
 {
@@ -148,5 +172,6 @@ shown
 [ "$is_part" ] || baselines
 [ "$is_part" ] || bounds
 counted
+[ "$is_part" ] || told
 again
 finish

@@ -110,8 +110,22 @@ good_traces()
     succeeds 'trace: negative ticks' replay box.dpa negative.csv -o negative.out
 }
 
+# A trace in millimetres is noted where a trace is read, and one in metres is not, near or far.
+units()
+{
+    awk -F, 'NR == 1 { print; next } { printf "%d", $1; for (i = 2; i <= 7; i++) printf ",%.9g", 1000 * $i; print "" }' \
+        torus.csv >millimetres.csv
+    notes 'a trace in millimetres' 'are its numbers millimetres?' replay torus.dpa millimetres.csv -o mm.out
+    notes 'a trace in metres' '' replay torus.dpa torus.csv -o m.out
+    trace far.csv 0,5,0,0,6,0,0 1,5,0,0,6,0,0
+    notes 'a trace that is far' '' replay torus.dpa far.csv -o far.out
+    run chart torus.dpa millimetres.csv -o out/x
+    check 'a chart of 400 ticks is refused before' grep -q 'at least' stderr
+}
+
 prepare
 bad_traces
 endless_traces
 good_traces
+units
 finish

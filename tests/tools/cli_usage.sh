@@ -69,6 +69,18 @@ usage_errors()
                 make trace --mesh box.dpa -o out/x --ticks 3 --$name $value
         done
     done
+    # A run that is not refused would not end.
+    printf '#!/bin/sh\nexec timeout 20 %s "$@"\n' "'$program'" >limited && chmod 755 limited
+    whole=$program program=$PWD/limited
+    refuses 'run --ticks 0' '--ticks must be positive' run box.dpa --device sim --ticks 0
+    refuses 'run --for 0' '--for must be positive' run box.dpa --device sim --for 0
+    refuses 'view --ticks 0' '--ticks must be positive' view tori --ticks 0
+    program=$whole
+    refuses 'replay --plan --ticks 0' '--ticks must be 1 to' replay --plan none.json --ticks 0
+    refuses 'settings without a colon' "settings follow a colon, as in sim:?hand=press" \
+        run box.dpa --device 'sim?hand=press' --ticks 5
+    refuses 'settings of a driver that is none' "there is no driver 'sin?hand=press'" \
+        run box.dpa --device 'sin?hand=press' --ticks 5
     refuses 'make trace --ticks 0' ticks make trace --mesh box.dpa -o out/x --ticks 0
     refuses 'make: unknown shape' pyramid make pyramid -o out/x.ply
     refuses 'make: no format' x.xyz make box -o out/x.xyz

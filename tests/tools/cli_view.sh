@@ -29,7 +29,8 @@ operands()
     refuses 'a mesh that is cut' 'cut.dpa: byte ' view cut.dpa -o out/x.html
     refuses 'a mesh with a mesh' '--mesh and --tool are of a recording' view box.dpa --mesh box.ply -o out/x.html
     refuses 'a mesh with a tool' '--mesh and --tool are of a recording' view box.ply --tool box.dpa -o out/x.html
-    refuses 'a page of a live scene' 'unknown option -o' view tori -o out/x.html
+    refuses 'a page of a live scene' 'dynpoint view: -o: a scene is felt' view tori -o out/x.html
+    refuses 'an option that no scene has' 'dynpoint view: unknown option --frob' view tori --frob
     refuses 'no time' '--for must be positive' view box.dpa --for 0
     refuses 'no port' '--port must be 0 to 65535' view box.dpa --port 65536
     for option in --open '--port 8000' '--address 0.0.0.0'; do
@@ -54,11 +55,16 @@ operands()
     refuses 'over the recording' 'it is an input too' view named.dpr -o named.dpr
     refuses "over the recording's mesh" 'it is an input too' view named.dpr --mesh box.dpa -o box.dpa
     refuses "over the recording's tool" 'it is an input too' view named.dpr --tool box.dpa -o box.dpa
+    refuses 'a recording whose file is gone' 'its scene is not where it was, so --mesh FILE is needed' view gone.dpr -o out/x.html
     check 'the mesh has changed' cmp -s box.dpa before
 }
 
 record_scenes()
 {
+    cp box.dpa gone.dpa
+    succeeds 'a mesh' run gone.dpa --device 'sim:?hand=press' --ticks 50 --record gone.dpr
+    succeeds 'one that stays' run box.dpa --device 'sim:?hand=press' --ticks 50 --record there.dpr
+    rm gone.dpa
     succeeds 'a scene by name' run tori --device 'sim:?hand=wipe&cycle=1' --ticks 2000 --friction 0.3 --record named.dpr
     succeeds 'one that gives way' run membrane --device 'sim:?hand=press&cycle=1' --ticks 1000 --record soft.dpr
     succeeds 'of an arm' run "$tests/golden/arm_1_mesh_4.dpa" --device 'sim:?dofs=6&hand=wipe&cycle=1' --ticks 500 \
@@ -279,6 +285,11 @@ ends()
 
 recording_pages()
 {
+    succeeds 'replay opens the file that was recorded' replay there.dpr
+    succeeds 'and so does a page' view there.dpr -o there.html
+    cp torus.dpa gone.dpa
+    refuses 'another file in its place' 'this is another scene than the recording' view gone.dpr -o out/x.html
+    rm gone.dpa
     for name in named soft arm slow; do
         succeeds "a page of $name" view $name.dpr -o $name.html
         succeeds 'again' view $name.dpr -o again.html
@@ -340,6 +351,11 @@ served()
     check "a mesh: exit $status, $(cat stderr)" test $status -eq 0 -a ! -s stderr
     check "its address: $(cat stdout)" grep -q "$address" stdout
     mv stdout first
+    mkdir -p bin
+    printf '#!/bin/sh\nexit 3\n' >bin/xdg-open
+    chmod 755 bin/xdg-open
+    (PATH=$PWD/bin:$PATH exec "$program" view ring.dpa --open --for 0.3) >stdout 2>stderr </dev/null
+    check "a browser that fails leaves the address: $(cat stdout stderr)" grep -q "$address" stdout
     run view named.dpr --for 0.2
     check "a recording: $(cat stdout stderr)" grep -q "$address" stdout
     check 'another token' test "$(sed 's/.*#//' first)" != "$(sed 's/.*#//' stdout)"

@@ -3,13 +3,16 @@
  * Runs of a setting over a scene, and their judge: counts against a loop of the test's own, errors that were put in on
  * purpose, a soft scene against brute force, and a tool that is led as a whole.
  */
+#define _GNU_SOURCE
 #include <math.h>
+#include <pthread.h>
+#include <sched.h>
 
 #include "dynpoint/compile.h"
-#include "host/shape.h"
 #include "lib/rig.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
+#include "scene/shape.h"
 
 enum { TICKS = 3000, SOFT_TICKS = 600 };
 #define RADIUS 0.002
@@ -409,6 +412,51 @@ static void wrenches_are_weighed(void)
     CHECK(fabs(tool.rho - sqrt(square)) < 1e-6, "rho %g, not %g", tool.rho, sqrt(square));
 }
 
+static volatile int spins;
+
+static void *spin(void *unused)
+{
+    while (spins)
+        continue;
+    return unused;
+}
+
+/* On one processor with three threads that only compute: what those take is in the clock's times and not in the others. */
+static void other_programs_do_not_count(void)
+{
+    enum { SPINNING = 3 };
+    struct subject subject;
+    struct measure_run by_clock, by_processor;
+    const struct measure_effort processor = { .passes = 1, .by_processor = 1 };
+    pthread_t thread[SPINNING];
+    cpu_set_t before, one;
+    double sum[2] = { 0.0, 0.0 };
+    if (sched_getaffinity(0, sizeof before, &before) || !open_subject(&subject, DPT_LAW_PROXY))
+        return;
+    CPU_ZERO(&one);
+    CPU_SET((size_t)sched_getcpu(), &one);
+    CHECK(sched_setaffinity(0, sizeof one, &one) == 0, "no processor of its own");
+    spins = 1;
+    for (int i = 0; i < SPINNING; i++)
+        CHECK(pthread_create(&thread[i], NULL, spin, NULL) == 0, "no thread");
+    measure(&by_clock, &subject, &subject.setting, 0);
+    CHECK(measure_run(&by_processor, &subject.scene, &subject.trace, &subject.setting, &processor) == 0, "no run");
+    spins = 0;
+    for (int i = 0; i < SPINNING; i++)
+        pthread_join(thread[i], NULL);
+    sched_setaffinity(0, sizeof before, &before);
+    for (size_t i = 0; i < TICKS; i++) {
+        sum[0] += by_clock.tick[i].ns;
+        sum[1] += by_processor.tick[i].ns;
+    }
+    CHECK(same_answers(&by_clock, &by_processor), "other answers");
+    CHECK(by_clock.busy > 1.5 && by_processor.busy > 1.5, "busy %g and %g", by_clock.busy, by_processor.busy);
+    CHECK(sum[0] > 1.5 * sum[1] && sum[1] > 0.0, "%g ns by the clock, %g of the processor", sum[0], sum[1]);
+    measure_run_free(&by_clock);
+    measure_run_free(&by_processor);
+    close_subject(&subject);
+}
+
 int main(void)
 {
     TEST(paper_is_wrong_as_counted);
@@ -418,5 +466,6 @@ int main(void)
     TEST(whole_tools_are_led);
     TEST(a_jump_begins_anew);
     TEST(wrenches_are_weighed);
+    TEST(other_programs_do_not_count);
     return check_report();
 }

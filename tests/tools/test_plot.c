@@ -75,6 +75,29 @@ static void prefixes_follow_the_size(void)
 }
 
 /* Steps of very different length, values with rare peaks; what is kept has all extremes of every block of points. */
+/* Without exponents, and what is less than an atto is nothing. */
+static void numbers_are_as_people_read_them(void)
+{
+    static const struct {
+        double value;
+        int digits;
+        const char *unit, *text;
+    } numbers[] = { { 4.3e-15, 2, NULL, "0" },      { 100.0, 2, NULL, "100" },     { 123.4, 2, NULL, "123" },
+                    { 0.01234, 2, NULL, "0.012" },  { 0.5, 3, NULL, "0.5" },       { 9.996, 3, NULL, "10" },
+                    { -1.234, 2, NULL, "-1.2" },    { 7.9e-3, 3, "s", "7.9 ms" },  { 4.3e-18, 3, "m", "4.3 am" },
+                    { 4.3e-20, 3, "m", "0 m" },     { 0.0, 3, "N", "0 N" },        { 31.3, 3, "%", "31.3 %" },
+                    { 0.0123, 3, "%", "0.0123 %" }, { 1.24e4, 3, "m", "12400 m" }, { 4.31e-7, 3, "s", "431 ns" },
+                    { 0.00107, 3, "m", "1.07 mm" } };
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        char text[PLOT_NUMBER_ROOM];
+        if (numbers[i].unit)
+            plot_quantity(numbers[i].value, numbers[i].digits, numbers[i].unit, text);
+        else
+            plot_number(numbers[i].value, numbers[i].digits, text);
+        CHECK(!strcmp(text, numbers[i].text), "%g is '%s', not '%s'", numbers[i].value, text, numbers[i].text);
+    }
+}
+
 static void long_line(uint64_t seed)
 {
     struct plot_line line;
@@ -231,6 +254,7 @@ int main(void)
 {
     TEST(axes_have_round_marks);
     TEST(prefixes_follow_the_size);
+    TEST(numbers_are_as_people_read_them);
     TEST(what_is_no_number_breaks_a_line);
     TEST(long_lines_lose_no_peak);
     TEST(log_axes_have_round_marks);

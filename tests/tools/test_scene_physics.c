@@ -4,7 +4,7 @@
  * stands still with the loop, ends in order, and holds a body that it cannot step in every tick.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "host/scene_physics.h"
+#include "scene/scene_physics.h"
 
 #include <time.h>
 

@@ -5,8 +5,8 @@
 #include <math.h>
 
 #include "base/sincos.h"
-#include "host/shape.h"
 #include "lib/check.h"
+#include "scene/shape.h"
 
 static struct shape build(const char *name, uint64_t count, uint64_t seed)
 {

@@ -3,7 +3,7 @@
  * What passes between the haptic loop and physics: the loads of the last tick, which sum up to the tool's force, one way;
  * vertices that arrive to the bit the other way. In each tick it is the same as springs that are stepped with the world.
  */
-#include "host/scene_physics.h"
+#include "scene/scene_physics.h"
 
 #include <math.h>
 

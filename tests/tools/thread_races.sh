@@ -21,7 +21,7 @@ $fixed "$scratch/empty" 2>"$scratch/empty.out" ||
     { skip "threads under ThreadSanitizer: it cannot run here ($(head -n 1 "$scratch/empty.out"))"; finish; }
 
 parts=
-for part in $(ls src/*/*.c | sed '/^src\/convex\//d; /^src\/host\//d; s/\.c$//') src/host/scene_list src/host/host_error src/host/host_file src/host/shape src/host/shape_organs tools/cli/command_options tools/view/view_stream drivers/clock; do
+for part in $(ls src/*/*.c | sed '/^src\/convex\//d; /^src\/\(scene\|host\)\//d; s/\.c$//') src/scene/scene_list src/scene/host_error src/scene/host_file src/scene/shape src/scene/shape_organs tools/cli/command_options tools/view/view_stream drivers/clock; do
     parts="$parts $build/$part.o"
 done
 
@@ -39,7 +39,7 @@ raced()
     status=$?
 }
 
-physics="tests/tools/test_scene_physics.c tests/lib/soft_scene.c src/host/scene_physics.c src/host/scene_bodies.c
+physics="tests/tools/test_scene_physics.c tests/lib/soft_scene.c src/scene/scene_physics.c src/scene/scene_bodies.c
     src/world/deform_body.c src/proxy/tool_loads.c src/deform/deform_vertices.c src/deform/deform_loads.c src/deform/springs.c"
 # shellcheck disable=SC2086 # words
 raced physics $physics src/exchange/latest.c

@@ -317,7 +317,7 @@ static void a_long_path_is_told(void)
 {
     static const char *const reasons[][2] = {
         { "plate.obj", ": it cannot be opened: No such file or directory" },
-        { "plate.dae", " is COLLADA: convert it to STL, OBJ, PLY or OFF" },
+        { "plate.dae", " is COLLADA: make it an STL (docs/urdf.md#collada-and-gltf), or leave it out: --skip LINK" },
         { "plate.obj%", ": '%' is not followed by two digits of a character" },
     };
     static const char *const links[] = { "base", "a_link_whose_name_is_longer_than_forty_bytes" };
@@ -388,6 +388,9 @@ static void where_meshes_are(void)
         /* The folders given, one after the other; then those above: robots, the scratch folder's, ..., the tree. */
         { "package://plates/meshes/large%20plate.obj", "", "/nonesuch::tests/golden-urdf/packages", 0.0, 2.0 },
         { "package://plates/meshes/large plate.obj", "", "tests/golden-urdf/packages", 0.0, 2.0 },
+        /* A folder may be the package itself. */
+        { "package://plates/meshes/large plate.obj", "", "tests/golden-urdf/packages/plates/", 0.0, 2.0 },
+        { "package://late/meshes/large plate.obj", "", "tests/golden-urdf/packages/plates", 0.0, 0.0 },
         { "package://meshes/plate.obj", "", NULL, 0.0, 1.0 },
         { "package://robots/meshes/plate.obj", "", "/nonesuch", 0.0, 1.0 },
         { "package://tests/golden-urdf/meshes/plate.obj", "", NULL, 0.0, 1.0 },
@@ -417,6 +420,103 @@ static void where_meshes_are(void)
     CHECK(near(plate(address, "", NULL, 0.0), 1.0), "%s", address);
     snprintf(address, sizeof address, "%s/tests/golden-urdf/meshes/plate.obj", here);
     CHECK(near(plate(address, "", NULL, 0.0), 1.0), "%s", address);
+}
+
+/* A robot whose scene cannot be read: a mesh of COLLADA on its base, and a box on what is fixed to that. */
+static const char blocked[] =
+    "<link name=\"base\"><collision><geometry><mesh filename=\"base.dae\"/></geometry></collision></link>"
+    "<link name=\"shelf\"><collision><geometry><box size=\"1 1 1\"/></geometry></collision></link>"
+    "<link name=\"tip\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>" JOINT(
+        "f", "fixed", "base", "shelf", "") JOINT("j", "continuous", "base", "tip", "");
+
+static void links_and_the_scene_can_be_left_out(void)
+{
+    const char *const base[] = { "base", NULL }, *const all[] = { "tip", "base", "shelf", NULL };
+    const struct {
+        dpt_urdf_def def;
+        uint32_t bodies, capsules;
+    } cases[] = { { { .tool = "tip", .skip = base }, 1, 1 },
+                  { { .tool = "tip", .without_scene = 1 }, 0, 1 },
+                  { { .tool = "tip", .skip = all }, 0, 0 } };
+    char path[128];
+    dpt_compiled compiled;
+    dpt_diag diag = { .size = sizeof diag };
+    snprintf(path, sizeof path, "%s/blocked.urdf", scratch);
+    FILE *file = fopen(path, "w");
+    fprintf(file, "<robot name=\"r\">%s</robot>\n", blocked);
+    fclose(file);
+    const dpt_urdf_def plain = { .size = sizeof plain, .tool = "tip" };
+    CHECK(dpt_urdf_compile_file(path, &plain, &compiled, &diag) == DPT_E_UNSUPPORTED &&
+              strstr(diag.text, "'base.dae' is COLLADA") && strstr(diag.text, "--skip"),
+          "%s", diag.text);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct robot robot = robot_of(path, cases[i].def);
+        CHECK(robot.info.bodies == cases[i].bodies && robot.info.segments == cases[i].capsules,
+              "case %zu: %u bodies, %u capsules", i, robot.info.bodies, robot.info.segments);
+        dpt_compiled_free(&robot.compiled);
+    }
+}
+
+/* Many links of long names without children: the message is whole, and says what to do. */
+static void a_long_list_of_tools_fits(void)
+{
+    char path[128];
+    dpt_compiled compiled;
+    dpt_diag diag = { .size = sizeof diag };
+    for (int links = 2; links < 12; links++) {
+        snprintf(path, sizeof path, "%s/ends_%d.urdf", scratch, links);
+        FILE *file = fopen(path, "w");
+        fprintf(file, "<robot name=\"r\"><link name=\"base\"/>");
+        for (int i = 0; i < links; i++)
+            fprintf(file,
+                    "<link name=\"the_finger_of_a_hand_with_a_long_name_%d\"/><joint name=\"j%d\" type=\"fixed\">"
+                    "<parent link=\"base\"/><child link=\"the_finger_of_a_hand_with_a_long_name_%d\"/></joint>",
+                    i, i, i);
+        fprintf(file, "</robot>\n");
+        fclose(file);
+        CHECK(dpt_urdf_compile_file(path, NULL, &compiled, &diag) == DPT_E_ARGUMENT, "%d links", links);
+        const size_t length = strlen(diag.text);
+        CHECK(strstr(diag.text, "name the link that is the tool by --tool") &&
+                  (diag.text[length - 1] == '\'' || strcmp(diag.text + length - 5, ", ...") == 0),
+              "%s", diag.text);
+    }
+}
+
+/* A mesh far from its link's origin is moved, and its body makes up for it. */
+static void a_mesh_that_is_moved_stays_in_its_place(void)
+{
+    char path[128];
+    dpt_compiled compiled;
+    dpt_diag diag = { .size = sizeof diag };
+    dpt_compile_def mesh = { .size = sizeof mesh };
+    dpt_urdf_def def = { .size = sizeof def, .mesh = &mesh };
+    dpt_arm_body body = { .size = sizeof body };
+    const float *xyz;
+    uint32_t count;
+    snprintf(path, sizeof path, "%s/far.obj", scratch);
+    FILE *file = fopen(path, "w");
+    fprintf(file, "v 500000 1 2\nv 500000.01 1 2\nv 500000 1.02 2\nf 1 2 3\n");
+    fclose(file);
+    snprintf(path, sizeof path, "%s/far.urdf", scratch);
+    file = fopen(path, "w");
+    fprintf(
+        file,
+        "<robot name=\"r\"><link name=\"base\"><collision><origin xyz=\"7 0 0\" rpy=\"0 0 1.57079632679489661923\"/>"
+        "<geometry><mesh filename=\"far.obj\"/></geometry></collision></link><link name=\"tip\"/>" JOINT(
+            "j", "continuous", "base", "tip", "") "</robot>\n");
+    fclose(file);
+    CHECK(dpt_urdf_compile_file(path, &def, &compiled, &diag) == DPT_E_FINITE && strstr(diag.text, "--recentre"), "%s",
+          diag.text);
+    mesh.recentre = 1;
+    struct robot robot = robot_of(path, (dpt_urdf_def){ .mesh = &mesh });
+    CHECK(dpt_arm_get_body(robot.arm, 0, &body) == DPT_OK && dpt_mesh_get_vertices(body.mesh, &xyz, &count) == DPT_OK &&
+              count == 3,
+          "no body");
+    /* The turn by a quarter takes x to y. */
+    CHECK(fabs(body.pose.position[1] + (double)xyz[0] - 500000.0) < 1e-9 &&
+              fabs(body.pose.position[0] - (double)xyz[1] - (7.0 - 1.0)) < 1e-9,
+          "%.12g %.12g", body.pose.position[0], body.pose.position[1]);
+    dpt_compiled_free(&robot.compiled);
 }
 
 /* Bodies are all meshes and boxes of what is fixed to the root; not of a door in it, though it stands still here. */
@@ -467,6 +567,9 @@ int main(void)
     TEST(capsules);
     TEST(a_capsule_of_urdf_1_1);
     TEST(where_meshes_are);
+    TEST(links_and_the_scene_can_be_left_out);
+    TEST(a_long_list_of_tools_fits);
+    TEST(a_mesh_that_is_moved_stays_in_its_place);
     TEST(a_long_path_is_told);
     TEST(the_scene);
     scratch_remove();

@@ -71,10 +71,11 @@ static void arguments_are_checked(void)
     CHECK(dpt_urdf_compile_file(good, NULL, NULL, NULL) == DPT_E_ARGUMENT, "no out");
     CHECK(dpt_urdf_compile_file(good, NULL, &compiled, &diag) == DPT_E_SIZE && !compiled.bytes, "a short diag");
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short def");
-    def = (dpt_urdf_def){ .size = sizeof def, .reserved = 1 };
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "reserved");
-    def = (dpt_urdf_def){ .size = sizeof def, .reserved_pointer = &def };
-    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "a pointer");
+    def = (dpt_urdf_def){ .size = sizeof def, .without_scene = 2 };
+    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "without_scene");
+    const char *const skip[] = { "tip", "nonesuch", NULL };
+    def = (dpt_urdf_def){ .size = sizeof def, .skip = skip };
+    CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_ARGUMENT, "a link that is not there");
     dpt_compile_def mesh = { .size = 8 };
     def = (dpt_urdf_def){ .size = sizeof def, .mesh = &mesh };
     CHECK(dpt_urdf_compile_file(good, &def, &compiled, NULL) == DPT_E_SIZE, "a short mesh def");

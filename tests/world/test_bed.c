@@ -97,6 +97,52 @@ static void pieces_feel_as_the_whole(void)
     solid_close(&box);
 }
 
+/* A second box beside the first, their tops flush. */
+static void flush_open(struct rig *bed, const struct solid *box, const dpt_segment *tool, double width)
+{
+    dpt_world_def def = rig_def(DPT_LAW_BED);
+    dpt_pose beside = DPT_POSE_IDENTITY;
+    dpt_body second;
+    beside.position[0] = width;
+    def.stiffness = STIFFNESS;
+    def.max_bodies = 2;
+    rig_open(bed, &def, box->mesh, tool, 1);
+    CHECK(dpt_body_add(bed->world, box->mesh, &beside, &second) == DPT_OK, "no second body");
+}
+
+/*
+ * Each body pushes for itself: the figures of docs/algorithms/force.md. A tool that lies along the seam of two flush bodies is
+ * pushed twice, beside it aside too, and beyond its radius by one; an axis in the seam, below the tops, not at all.
+ */
+static void flush_bodies_push_each(void)
+{
+    const double L = 0.03, r = 0.002, flat = 2 * STIFFNESS;
+    static const struct {
+        double depth, off, up, aside; /* m; radii from the seam; force, of that of one body */
+    } places[] = { { 0.0005, 0.0, 2.0, 0.0 },  { 0.0005, 0.5, 1.33, 0.22 }, { 0.0005, 1.1, 1.0, 0.0 },
+                   { 0.0005, -1.1, 1.0, 0.0 }, { 0.0015, 0.0, 2.0, 0.0 },   { 0.0025, 0.0, 0.0, 0.0 } };
+    const dpt_segment along = { { 0, -L / 2, 0 }, { 0, L / 2, 0 }, r };
+    dpt_mesh_info info = { .size = sizeof info };
+    struct solid box;
+    struct rig bed;
+    if (!solid_from_shape(&box, "box", 300))
+        return;
+    dpt_mesh_get_info(box.mesh, &info);
+    flush_open(&bed, &box, &along, info.box_max[0] - info.box_min[0]);
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        dpt_pose pose = DPT_POSE_IDENTITY;
+        pose.position[0] = info.box_max[0] + places[i].off * r;
+        pose.position[2] = TOP + r - places[i].depth;
+        feel(&bed, &pose);
+        const double *force = bed.force.wrench.force, one = flat * places[i].depth;
+        CHECK(fabs(force[2] / one - places[i].up) < 0.005 && fabs(force[0] / one - places[i].aside) < 0.005,
+              "%g m deep, %g radii from the seam: %g and aside %g times the force of one body", places[i].depth,
+              places[i].off, force[2] / one, force[0] / one);
+    }
+    rig_close(&bed);
+    solid_close(&box);
+}
+
 /* Force and torque against differences of the energy, of bent tools in several meshes. */
 static void the_wrench_is_the_gradient(void)
 {
@@ -158,6 +204,7 @@ int main(void)
 {
     TEST(on_a_plane_it_is_a_closed_form);
     TEST(pieces_feel_as_the_whole);
+    TEST(flush_bodies_push_each);
     TEST(the_wrench_is_the_gradient);
     return check_report();
 }

@@ -7,10 +7,10 @@
  *
  * Distances are judged by oracle/pair.h. What the sheet does to itself is not judged.
  */
-#include "host/shape.h"
 #include "lib/fixture.h"
 #include "lib/rig.h"
 #include "oracle/pair.h"
+#include "scene/shape.h"
 
 #define GRAVITY 9.81
 #define TICK    1e-3

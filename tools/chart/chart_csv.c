@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "cli/law_name.h"
+#include "plot/plot_axis.h"
 #include "run/replay_report.h"
 
 static const char *const methods[] = { "exact", "tree", "brute", "paper" };
@@ -207,6 +208,17 @@ static void print_cell(FILE *file, int is_there, const char *format, double valu
     fprintf(file, " %8s", text);
 }
 
+/* Of two digits, or a blank. What is at most `none` is rounding. */
+static void print_error(FILE *file, int is_there, double value, double none)
+{
+    char text[PLOT_NUMBER_ROOM] = "";
+    if (is_there && value > 0.0 && value <= none)
+        snprintf(text, sizeof text, "none");
+    else if (is_there)
+        plot_number(value, 2, text);
+    fprintf(file, " %8s", text);
+}
+
 void chart_table_print(FILE *file, const struct chart_head *head, const struct chart_rows *rows)
 {
     fprintf(file, "  %-8s%-22s %8s %8s %8s %8s %8s %8s %8s %8s %8s %8s\n", "", "", "median", "99 % us", "worst",
@@ -222,12 +234,13 @@ void chart_table_print(FILE *file, const struct chart_head *head, const struct c
         }
         fprintf(file, " %8.2f %8.2f %8.1f %8zu", 1e-3 * judged->ns.median, 1e-3 * judged->ns.p99, 1e-3 * judged->ns.max,
                 judged->wrong);
-        print_cell(file, !isnan(judged->distance_error), "%.2g", 1e3 * judged->distance_error);
+        print_error(file, !isnan(judged->distance_error), 1e3 * judged->distance_error,
+                    1e3 * rows->truth.check.tolerance);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->missed);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->invented);
         print_cell(file, judged->has_contact, "%.0f", (double)judged->unknown);
-        print_cell(file, judged->has_wrench, "%.2g", judged->wrench.max);
-        print_cell(file, judged->has_wrench, "%.3g", judged->jump);
+        print_error(file, judged->has_wrench, judged->wrench.max, 0.0);
+        print_error(file, judged->has_wrench, judged->jump, 0.0);
         fputc('\n', file);
     }
     if (head->repeats > 1) {

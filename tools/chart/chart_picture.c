@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "plot/plot_axis.h"
 #include "plot/plot_scatter.h"
 
 enum { TITLE = 256, DESCRIPTION = 4096 };
@@ -72,9 +73,14 @@ static void name_kinds(struct scatter_panel *panel, enum chart_part part)
 /* Of ns; with how far repeats lie apart, where they do. */
 static void write_time(char text[TITLE / 4], double ns, double min, double max)
 {
-    const int length = snprintf(text, TITLE / 4, "%.3g us", ns * 1e-3);
+    char middle[PLOT_NUMBER_ROOM], ends[2][PLOT_NUMBER_ROOM];
+    plot_quantity(ns * 1e-9, 3, "s", middle);
+    plot_quantity(min * 1e-9, 3, "s", ends[0]);
+    plot_quantity(max * 1e-9, 3, "s", ends[1]);
     if (max > min)
-        snprintf(text + length, TITLE / 4 - (size_t)length, " (%.3g to %.3g)", min * 1e-3, max * 1e-3);
+        snprintf(text, TITLE / 4, "%.12s (%.12s to %.12s)", middle, ends[0], ends[1]);
+    else
+        snprintf(text, TITLE / 4, "%s", middle);
 }
 
 static void add_mark(struct picture *picture, struct scatter_panel *panel, const struct chart_row *row,
@@ -83,11 +89,12 @@ static void add_mark(struct picture *picture, struct scatter_panel *panel, const
     char *title = picture->titles[panel - picture->chart.panel][panel->count];
     const struct judgement *judged = &row->judged;
     const struct judgement_spread *min = &row->min[CHART_WHOLE], *max = &row->max[CHART_WHOLE];
-    char text[TITLE], times[2][TITLE / 4];
+    char text[TITLE], times[2][TITLE / 4], height[PLOT_NUMBER_ROOM];
     write_time(times[0], judged->whole_ns.median, min->median, max->median);
     write_time(times[1], judged->whole_ns.p99, min->p99, max->p99);
-    snprintf(text, sizeof text, "%s: %s, 99 %% %s; error %.3g %s", row->name, times[0], times[1], error(row),
-             panel->y_unit);
+    plot_quantity(error(row), 3, panel->y_unit, height);
+    snprintf(text, sizeof text, "%s: %s, 99 %% %s; error %s", row->name, times[0], times[1],
+             panel->band && error(row) <= panel->band_max ? panel->band : height);
     memcpy(title, text, sizeof text);
     panel->mark[panel->count++] = (struct scatter_mark){ .cost = fmax(1e-9 * judged->whole_ns.median, 1e-9),
                                                          .worse_cost = 1e-9 * judged->whole_ns.p99,

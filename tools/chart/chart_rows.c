@@ -10,8 +10,8 @@
 #include "cli/command_options.h"
 #include "cli/law_name.h"
 #include "clock.h"
-#include "host/setting_words.h"
 #include "run/replay_report.h"
+#include "scene/setting_words.h"
 #include "shape/mesh_size.h"
 
 /* Of a step's sweeps, in the row that limits them. */
@@ -351,13 +351,12 @@ static dpt_result add_again(struct chart_body *measured, dpt_world *world, const
 }
 
 /* A tool above the box, and a body that grows about its middle. */
-static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt_mesh *mesh)
+static dpt_result refit(struct chart_body *measured, struct scene_stage *stage, const dpt_mesh *mesh)
 {
     dpt_deformable_def def;
     dpt_mesh_info info = { .size = sizeof info };
     dpt_segment needle = { .radius = 0.0 };
     dpt_body body;
-    dpt_tool tool;
     const float *xyz;
     uint32_t count;
     dpt_mesh_get_info(mesh, &info);
@@ -374,11 +373,11 @@ static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt
     float *moved = malloc((size_t)count * 3 * sizeof *moved);
     dpt_result result = block && moved ? DPT_OK : DPT_E_MEMORY;
     if (result == DPT_OK)
-        result = dpt_body_add_deformable(world, block, measured->deform_bytes, &def, &body);
+        result = dpt_body_add_deformable(stage->world, block, measured->deform_bytes, &def, &body);
     if (result == DPT_OK)
-        result = dpt_tool_add(world, &needle, 1, &tool);
+        result = scene_stage_add_tool(stage, &needle, 1, NULL, 0);
     if (result == DPT_OK)
-        result = dpt_world_step(world, 1e-3, NULL);
+        result = dpt_world_step(stage->world, 1e-3, NULL);
     double took[REFITS] = { 0.0 };
     for (int pass = 0; result == DPT_OK && pass < REFITS; pass++) {
         for (size_t i = 0; i < (size_t)count * 3; i++) {
@@ -386,9 +385,9 @@ static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt
             moved[i] = (float)(middle + (1.0 + GROWTH * (pass + 1)) * (xyz[i] - middle));
         }
         const uint64_t begin = clock_now();
-        result = dpt_body_set_vertices(world, body, 0, count, moved, -1.0);
+        result = dpt_body_set_vertices(stage->world, body, 0, count, moved, -1.0);
         if (result == DPT_OK)
-            result = dpt_world_step(world, 1e-3, NULL);
+            result = dpt_world_step(stage->world, 1e-3, NULL);
         took[pass] = seconds_since(begin);
     }
     sort_numbers(took, REFITS);
@@ -398,20 +397,20 @@ static dpt_result refit(struct chart_body *measured, dpt_world *world, const dpt
     return result;
 }
 
-static dpt_result measure_in_world(struct chart_body *measured, void *block, const dpt_world_def *def,
+static dpt_result measure_in_world(struct chart_body *measured, struct scene_stage *stage, const dpt_world_def *def,
                                    const dpt_mesh *mesh)
 {
-    dpt_world *world;
-    DPT_TRY(dpt_world_create(block, dpt_world_bytes(def), def, &world));
+    DPT_TRY(scene_stage_open(stage, def));
     DPT_TRY(compile_again(measured, mesh));
-    DPT_TRY(add_again(measured, world, mesh));
-    return refit(measured, world, mesh);
+    DPT_TRY(add_again(measured, stage->world, mesh));
+    return refit(measured, stage, mesh);
 }
 
 int chart_body_measure(struct chart_body *measured, const struct scene *scene, uint32_t body)
 {
     const dpt_mesh *mesh = scene->bodies.body[body].mesh;
     dpt_mesh_info info = { .size = sizeof info };
+    struct scene_stage stage = { .world = NULL };
     dpt_world_def def;
     dpt_mesh_get_info(mesh, &info);
     *measured = (struct chart_body){
@@ -419,8 +418,7 @@ int chart_body_measure(struct chart_body *measured, const struct scene *scene, u
     };
     dpt_world_def_init(&def);
     def.until = DPT_UNTIL_TRACK;
-    void *block = malloc(dpt_world_bytes(&def));
-    const dpt_result result = block ? measure_in_world(measured, block, &def, mesh) : DPT_E_MEMORY;
-    free(block);
+    const dpt_result result = measure_in_world(measured, &stage, &def, mesh);
+    scene_stage_close(&stage);
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }

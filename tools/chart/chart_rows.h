@@ -6,8 +6,8 @@
 #ifndef DPT_TOOLS_CHART_ROWS_H
 #define DPT_TOOLS_CHART_ROWS_H
 
-#include "host/scene.h"
 #include "measure/judgement.h"
+#include "scene/scene.h"
 
 enum { CHART_ROWS_MAX = 96, CHART_NAME = 48 };
 

@@ -2,15 +2,21 @@
 #include "cli/arm_file.h"
 
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "built_with.h"
 #include "cli/json_text.h"
-#include "host/host_file.h"
+#include "scene/host_file.h"
 
 #ifdef DPT_HAS_URDF
 #include "dynpoint/urdf.h"
 #endif
+
+int arm_options_are_given(const struct arm_options *options)
+{
+    return options->tool || options->packages || options->without_scene || options->skip.count > 0;
+}
 
 int is_urdf_name(const char *path)
 {
@@ -36,15 +42,54 @@ static void show_note(void *user, uint64_t line, const char *text)
         fprintf(stderr, "%s: note: %s\n", (const char *)user, text);
 }
 
-int compile_urdf(const char *path, const dpt_compile_def *mesh, const char *tool, const char *packages,
+/* Append the folders of a list, with ':' between them, each with an ending. `to` has room. */
+static void add_folders(char *to, const char *folders, const char *ending)
+{
+    for (const char *at = folders ? folders : ""; *at;) {
+        const size_t length = strcspn(at, ":");
+        if (length)
+            sprintf(to + strlen(to), "%s%.*s%s", *to ? ":" : "", (int)length, at, ending);
+        at += length + (at[length] == ':');
+    }
+}
+
+/* The folders that hold packages: those given, then those of ROS 1 and ROS 2. The caller frees; NULL: no memory. */
+static char *package_folders(const char *given)
+{
+    static const char share[] = "/share";
+    const char *ros = getenv("ROS_PACKAGE_PATH"), *ament = getenv("AMENT_PREFIX_PATH");
+    size_t size = 3 + (given ? strlen(given) : 0) + (ros ? strlen(ros) : 0);
+    for (const char *at = ament ? ament : ""; *at; at++)
+        size += 1 + (at[0] == ':' || !at[1] ? sizeof share : 0);
+    char *folders = calloc(1, size);
+    if (folders) {
+        add_folders(folders, given, "");
+        add_folders(folders, ros, "");
+        add_folders(folders, ament, share);
+    }
+    return folders;
+}
+
+int compile_urdf(const char *path, const dpt_compile_def *mesh, const struct arm_options *options,
                  dpt_compiled *compiled)
 {
-    char *name = (char *)(uintptr_t)path;
-    dpt_urdf_def def = {
-        .size = sizeof def, .tool = tool, .packages = packages, .mesh = mesh, .note = show_note, .user = name
-    };
+    const char *skip[OPTION_TEXTS_MAX + 1] = { NULL };
+    char *packages = package_folders(options->packages);
+    memcpy(skip, options->skip.text, options->skip.count * sizeof *skip);
+    const dpt_urdf_def def = { .size = sizeof def,
+                               .without_scene = options->without_scene ? 1 : 0,
+                               .tool = options->tool,
+                               .packages = packages,
+                               .mesh = mesh,
+                               .note = show_note,
+                               .user = (char *)(uintptr_t)path,
+                               .skip = skip };
     dpt_diag diag = { .size = sizeof diag };
-    if (dpt_urdf_compile_file(path, &def, compiled, &diag) == DPT_OK)
+    const dpt_result result = packages ? dpt_urdf_compile_file(path, &def, compiled, &diag) : DPT_E_MEMORY;
+    if (!packages)
+        return complain("compile", "%s: memory ran out", path);
+    free(packages);
+    if (result == DPT_OK)
         return 0;
     if (diag.line)
         return complain("compile", "%s:%" PRIu64 ": %s", path, diag.line, diag.text);
@@ -53,10 +98,10 @@ int compile_urdf(const char *path, const dpt_compile_def *mesh, const char *tool
 
 #else
 
-int compile_urdf(const char *path, const dpt_compile_def *mesh, const char *tool, const char *packages,
+int compile_urdf(const char *path, const dpt_compile_def *mesh, const struct arm_options *options,
                  dpt_compiled *compiled)
 {
-    (void)mesh, (void)tool, (void)packages, (void)compiled;
+    (void)mesh, (void)options, (void)compiled;
     return complain("compile",
                     "%s: this build reads no URDF: install urdfdom, expat and a C++ compiler (Debian: "
                     "liburdfdom-dev libexpat1-dev g++ pkg-config) and run make again",

@@ -8,6 +8,16 @@
 #include "cli/command_options.h"
 #include "dynpoint/compile.h"
 
+/* As in dpt_urdf_def; NULL and 0: not given. */
+struct arm_options {
+    const char *tool, *packages;
+    int without_scene;
+    struct option_texts skip;
+};
+
+/* 1 if any was given. */
+int arm_options_are_given(const struct arm_options *options);
+
 /* 1 if the path ends in .urdf or .xml. */
 int is_urdf_name(const char *path);
 
@@ -17,11 +27,11 @@ int is_urdf_text(const char *text);
 /*
  * Compile a URDF. Prints notes to standard error, after the file's name.
  *   mesh             how to compile the meshes that it names
- *   tool, packages   as in dpt_urdf_def
+ *   options          the rest; packages are looked for in the folders of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH too
  *
  * Returns 0, or 2 after a message; always 2 in a build without urdfdom.
  */
-int compile_urdf(const char *path, const dpt_compile_def *mesh, const char *tool, const char *packages,
+int compile_urdf(const char *path, const dpt_compile_def *mesh, const struct arm_options *options,
                  dpt_compiled *compiled);
 
 /* Print one line about a compiled arm. */

@@ -10,8 +10,8 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/scene_command.h"
-#include "host/setting_words.h"
 #include "measure/measure_setting.h"
+#include "scene/setting_words.h"
 
 static const char help[] =
     "usage: dynpoint chart SCENE|SCENE.json|MESH.dpa|ARM.dpa [TRACE.csv] -o NAME [options]\n"
@@ -153,7 +153,7 @@ static int open_trace(const struct chart_request *request, const struct scene *s
     const struct measure_hand hand = { .seed = request->seed,
                                        .ticks = (size_t)request->ticks,
                                        .length = request->stylus };
-    return request->trace ? measure_trace_read(trace, "chart", request->trace, TICKS_MIN)
+    return request->trace ? measure_trace_read(trace, scene, request->trace, TICKS_MIN)
                           : measure_trace_make(trace, scene, &hand);
 }
 

@@ -11,6 +11,7 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/compile_options.h"
+#include "compile/foreign.h"
 #include "compile/soup.h"
 #include "dynpoint/compile.h"
 #include "shape/mesh_file.h"
@@ -18,8 +19,8 @@
 
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
-    "                        [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
-    "                        [--tool LINK] [--packages DIRS]\n"
+    "                        [--recentre] [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
+    "                        [--tool LINK] [--packages DIRS] [--skip LINK ...] [--without-scene]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
     "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; says\n"
@@ -35,6 +36,8 @@ static const char help[] =
     "                  is noted on standard error\n"
     "  --scale X       any other unit: metres of one; --unit mm is --scale 0.001\n"
     "  --crease A      edges bent by more than A degrees are creases: sharp; default 60, 180 is none\n"
+    "  --recentre      move the mesh to the origin, and keep in the file by how much; for a source that\n"
+    "                  lies so far away that floats are too coarse for it\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
     "  -j N            use at most N threads; default 1; the bytes are the same for every N\n"
     "  --nodes BASE    embed the vertices in the tetrahedra of TetGen's BASE.node and BASE.ele, in the\n"
@@ -49,14 +52,36 @@ static const char help[] =
     "  --fixed FILE    numbers of vertices of the source, from 0, that do not move\n"
     "  --tool LINK     of a URDF: the link that is the tool; default: the only one without children\n"
     "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them; then\n"
-    "                  those above the file are looked at\n";
+    "                  those of ROS_PACKAGE_PATH, the share folders of AMENT_PREFIX_PATH, and those above\n"
+    "                  the file are looked at\n"
+    "  --skip LINK     of a URDF: leave out the collision shapes of this link; may be given several times\n"
+    "  --without-scene of a URDF: leave out the meshes and boxes that stand still\n";
 
 #define DEGREE (3.14159265358979323846 / 180.0)
 
+/* What callbacks are handed. */
+struct listener {
+    struct meter meter;
+    const char *in; /* the source */
+};
+
 static int show_progress(void *user, const char *step, double done)
 {
-    meter_show(user, step, done < 1.0 ? done : 0.999);
+    struct listener *listener = user;
+    meter_show(&listener->meter, step, done < 1.0 ? done : 0.999);
     return 0;
+}
+
+static void show_note(void *user, const dpt_diag *note)
+{
+    struct listener *listener = user;
+    meter_show(&listener->meter, "", 1.0);
+    if (note->line)
+        fprintf(stderr, "%s:%" PRIu64 ": note: %s\n", listener->in, note->line, note->text);
+    else if (note->byte)
+        fprintf(stderr, "%s: byte %" PRIu64 ": note: %s\n", listener->in, note->byte, note->text);
+    else
+        fprintf(stderr, "%s: note: %s\n", listener->in, note->text);
 }
 
 /* Keywords of C and C++, and names that the written file uses. */
@@ -138,6 +163,14 @@ static void report_embedding(FILE *file, const dpt_mesh_info *info)
         fputs("all vertices are within cells\n", file);
 }
 
+static void report_origin(FILE *file, const dpt_mesh_info *info)
+{
+    const double *origin = info->origin;
+    if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0)
+        fprintf(file, "  moved by (%.9g, %.9g, %.9g) m, rounded by at most %.3g m\n", 0.0 - origin[0], 0.0 - origin[1],
+                0.0 - origin[2], info->rounding);
+}
+
 static void report_springs(FILE *file, const dpt_mesh_info *info)
 {
     if (!info->spring_nodes)
@@ -177,7 +210,7 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
         { "edges run through twice in one direction", info.wrong_way_edges },
         { "open edges", info.open_edges },
         { "non-manifold edges", info.nonmanifold_edges },
-        { "concave polygons cut into fans", info.concave_polygons },
+        { "concave polygons", info.concave_polygons },
     };
     for (size_t i = 0; i < sizeof found / sizeof *found; i++)
         if (found[i].count)
@@ -192,6 +225,7 @@ static void report_mesh(FILE *file, const dpt_compiled *compiled, const char *ou
                 one ? "" : "such as ", pair[0], pair[1]);
     else if (info.self_intersections_more)
         fputs("  self-intersections: none found, but the search stopped before its end\n", file);
+    report_origin(file, &info);
     report_embedding(file, &info);
     report_springs(file, &info);
 }
@@ -204,10 +238,26 @@ static void note_size(const dpt_compiled *compiled, const char *in)
         fprintf(stderr, "%s: note: its box is %s: %s\n", in, size_text(&info).text, hint);
 }
 
+/* Name the command that makes a foreign file one that is read. */
+static int complain_of_format(const char *in, const struct foreign_format *foreign)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._/-";
+    char way[512];
+    const char *from = strcmp(in, "-") && !in[strspn(in, plain)] && strlen(in) < 200 ? in : "IN";
+    snprintf(way, sizeof way, foreign->command, from, "OUT.stl");
+    if (!foreign->packages)
+        return complain("compile", "%s: this is %s: %s, %s", in, foreign->name, way, foreign->unit);
+    return complain("compile", "%s: this is %s: python3 -c \"%s\" (after pip install %s), then compile OUT.stl with %s",
+                    in, foreign->name, way, foreign->packages, foreign->unit);
+}
+
 static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_compile_def *def, dpt_compiled *compiled)
 {
     dpt_diag diag = { .size = sizeof diag };
     def->format = source_format(in, bytes, size);
+    const struct foreign_format *foreign = def->format == DPT_FORMAT_AUTO ? foreign_format_of(bytes, size) : NULL;
+    if (foreign)
+        return complain_of_format(in, foreign);
     if (dpt_compile_bytes(bytes, size, def, compiled, &diag) == DPT_OK)
         return 0;
     return complain_of_file("compile", in, &diag);
@@ -216,8 +266,8 @@ static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_comp
 /*
  * Compile a mesh, which is opened once and may be a pipe, or a URDF, whose reader needs the path to find what it names.
  */
-static int compile_input(const char *in, dpt_compile_def *def, const char *tool, const char *packages,
-                         dpt_compiled *compiled, int *is_arm)
+static int compile_input(const char *in, dpt_compile_def *def, const struct arm_options *arm, dpt_compiled *compiled,
+                         int *is_arm)
 {
     struct stat found;
     size_t size;
@@ -226,7 +276,7 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     if (*is_arm && (def->cell_count || def->springs))
         return complain("compile", "%s: --nodes and --springs are for a mesh", in);
     if (*is_arm)
-        return compile_urdf(in, def, tool, packages, compiled);
+        return compile_urdf(in, def, arm, compiled);
     void *bytes = load_file("compile", in, &size);
     if (!bytes)
         return 2;
@@ -237,9 +287,9 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
     else if (*is_arm && (def->cell_count || def->springs))
         status = complain("compile", "%s: --nodes and --springs are for a mesh", in);
     else if (*is_arm)
-        status = compile_urdf(in, def, tool, packages, compiled);
-    else if (tool || packages)
-        status = complain("compile", "%s: --tool and --packages are for a URDF", in);
+        status = compile_urdf(in, def, arm, compiled);
+    else if (arm_options_are_given(arm))
+        status = complain("compile", "%s: --tool, --packages, --skip and --without-scene are for a URDF", in);
     else
         status = compile_mesh(in, bytes, size, def, compiled);
     free(bytes);
@@ -248,8 +298,10 @@ static int compile_input(const char *in, dpt_compile_def *def, const char *tool,
 
 /* What the user says. */
 struct compile_settings {
-    const char *in, *out, *array, *tool, *packages, *unit, *nodes;
+    const char *in, *out, *array, *unit, *nodes;
+    struct arm_options arm;
     double scale, crease;
+    int recentre;
     uint64_t threads;
     struct spring_options springs;
 };
@@ -261,6 +313,8 @@ static int compile_with_nodes(struct compile_settings *settings, dpt_compile_def
     const char *nodes = settings->nodes;
     struct cell_files cells = { .node_path = NULL };
     int status = spring_options_take(&settings->springs, "compile", settings->out, def);
+    if (nodes && def->recentre)
+        status = complain("compile", "--nodes and --recentre exclude each other: the nodes would stay where they are");
     if (nodes && def->springs)
         status = complain("compile", "--nodes and --springs exclude each other");
     if (nodes && status == 0)
@@ -270,7 +324,7 @@ static int compile_with_nodes(struct compile_settings *settings, dpt_compile_def
     if (nodes && status == 0)
         status = cell_files_load(&cells, "compile", def);
     if (status == 0)
-        status = compile_input(settings->in, def, settings->tool, settings->packages, compiled, is_arm);
+        status = compile_input(settings->in, def, &settings->arm, compiled, is_arm);
     cell_files_free(&cells);
     spring_options_free(&settings->springs);
     return status;
@@ -288,6 +342,7 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
                                           { .name = "--unit", .text = &settings->unit },
                                           { .name = "--scale", .number = &settings->scale },
                                           { .name = "--crease", .number = &settings->crease },
+                                          { .name = "--recentre", .flag = &settings->recentre },
                                           { .name = "--c-array", .text = &settings->array },
                                           { .name = "--nodes", .text = &settings->nodes },
                                           { .name = "--springs", .text = &springs->kind },
@@ -301,8 +356,10 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
                                           { .name = "--poisson", .number = &springs->poisson },
                                           { .name = "--regions", .text = &springs->regions_path },
                                           { .name = "--fixed", .text = &springs->fixed_path },
-                                          { .name = "--tool", .text = &settings->tool },
-                                          { .name = "--packages", .text = &settings->packages } };
+                                          { .name = "--tool", .text = &settings->arm.tool },
+                                          { .name = "--packages", .text = &settings->arm.packages },
+                                          { .name = "--skip", .texts = &settings->arm.skip },
+                                          { .name = "--without-scene", .flag = &settings->arm.without_scene } };
     int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
                                &settings->in, 1, &operands);
     if (status >= 0)
@@ -320,6 +377,9 @@ static int check_settings(struct compile_settings *settings)
         return 2;
     if ((mesh_file_writer(out) || is_urdf_name(out)) && access(out, F_OK) == 0)
         return complain("compile", "%s: it is there, and a source by its name: what is compiled ends in .dpa", out);
+    if (settings->array ? output_check_name("compile", out, ".c .h", "source text in C")
+                        : output_check_name("compile", out, ".dpa .obj .stl .ply .off", "a compiled mesh or arm"))
+        return 2;
     if (!settings->threads)
         return complain("compile", "-j must be 1 or more");
     if (unit && !isnan(settings->scale))
@@ -367,16 +427,19 @@ int command_compile(int argc, char **argv)
         return status;
     if (check_settings(&settings))
         return 2;
-    struct meter meter = { .began = 0 };
+    struct listener listener = { .in = settings.in };
     dpt_compile_def def = { .size = sizeof def,
                             .scale = settings.scale,
                             .progress = show_progress,
-                            .user = &meter,
+                            .user = &listener,
+                            .note = show_note,
+                            .note_user = &listener,
+                            .recentre = settings.recentre ? 1 : 0,
                             .crease = settings.crease * DEGREE,
                             .threads = settings.threads < UINT32_MAX ? (uint32_t)settings.threads : UINT32_MAX };
     dpt_compiled compiled;
     status = compile_with_nodes(&settings, &def, &compiled, &is_arm);
-    meter_show(&meter, "", 1.0);
+    meter_show(&listener.meter, "", 1.0);
     if (status != 0)
         return status;
     status = keep_compiled(&settings, &compiled, is_arm);

@@ -188,10 +188,25 @@ static int write_file(const char *path, const char *name, const dpt_device_info 
     return output_close(&output, "device");
 }
 
-/* Say what is wrong. Returns the exit status. */
-static int judge(const dpt_identify_result *result)
+/* What helps where samples or commands did not come in time. */
+static const char *cure_of_lateness(const dpt_device_info *info)
 {
-    if (result->end != DPT_IDENTIFY_END_COMPLETE)
+    const uint32_t by_clock = DPT_DEVICE_FLAG_SIMULATED | DPT_DEVICE_FLAG_DETERMINISTIC;
+    return (info->flags & by_clock) == DPT_DEVICE_FLAG_SIMULATED
+               ? "this machine was busy: measure again, or leave live=1 out of a simulated device's name"
+               : "this machine was busy, or the line loses them: measure again with less beside it, and with real-time "
+                 "priority";
+}
+
+/* Say what is wrong. Returns the exit status. */
+static int judge(const dpt_identify_result *result, const dpt_device_info *info)
+{
+    if (result->end == DPT_IDENTIFY_END_SAMPLES)
+        complain("device",
+                 "ended before its time, as more than 4 in a row of %" PRIu64 " samples or commands were lost or "
+                 "late; %s",
+                 result->samples, cure_of_lateness(info));
+    else if (result->end != DPT_IDENTIFY_END_COMPLETE)
         complain("device", "ended before its time: %s", dpt_identify_end_text(result->end));
     else if (result->flags & DPT_IDENTIFY_FLAG_STUCK)
         complain("device", "%.3g N do not move it along each axis: it is locked, held, or has more friction than that",
@@ -214,7 +229,8 @@ int device_identify(const struct identify_request *request)
     dpt_identify_def def;
     dpt_identify_result measured = { .size = sizeof measured };
     struct keyboard keyboard;
-    if (request->output && device_output_check("device", request->output, request->name))
+    if (request->output && (output_check_name("device", request->output, ".txt", "text, a setting a line") ||
+                            device_output_check("device", request->output, request->name)))
         return 2;
     if (open_device("device", request->name, &device))
         return 2;
@@ -238,7 +254,7 @@ int device_identify(const struct identify_request *request)
         print_json(&measured);
     else
         print_text(&info, &measured, request->may_move);
-    int status = judge(&measured);
+    int status = judge(&measured, &info);
     if (request->output && status == 0)
         status = write_file(request->output, request->name, &info, &measured);
     else if (request->output)

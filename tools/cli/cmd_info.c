@@ -7,17 +7,18 @@
 #include "cli/arm_file.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "host/host_file.h"
+#include "scene/host_file.h"
 #include "shape/mesh_size.h"
 
 static const char help[] =
-    "usage: dynpoint info FILE.dpa [--json] [--verify] [--thickness]\n"
+    "usage: dynpoint info FILE.dpa [--json] [--verify] [--sections] [--thickness]\n"
     "\n"
-    "Shows what a compiled mesh holds, what was wrong with its source, and its sections; or the joints,\n"
-    "links, tool and bodies of an arm.\n"
+    "Shows what a compiled mesh holds, and what was wrong with its source; or the joints, links, tool\n"
+    "and bodies of an arm.\n"
     "\n"
-    "  --json       one JSON object on standard output\n"
+    "  --json       one JSON object on standard output, a mesh's sections too\n"
     "  --verify     check every byte; exit status 1, with the place, when the file is damaged\n"
+    "  --sections   of a mesh: where each section of the file lies, and its checksum\n"
     "  --thickness  of a mesh: how thick its walls are, by a ray inward from each triangle; takes\n"
     "               a second for 50,000 triangles\n";
 
@@ -53,6 +54,7 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info, const st
            info->spring_mass, info->poisson, info->stable_step);
     printf("\"box\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],", info->box_min[0], info->box_min[1], info->box_min[2],
            info->box_max[0], info->box_max[1], info->box_max[2]);
+    printf("\"origin\":[%.17g,%.17g,%.17g],", info->origin[0], info->origin[1], info->origin[2]);
     printf("\"crease_edges\":%" PRIu32 ",\"normalless_vertices\":%" PRIu32 ",\"crease\":%.17g,", info->crease_edges,
            info->normalless_vertices, info->crease);
     if (thickness && thickness->walls)
@@ -114,7 +116,7 @@ static void print_thickness(const struct mesh_thickness *thickness)
 }
 
 static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_info *info,
-                       const struct mesh_thickness *thickness)
+                       const struct mesh_thickness *thickness, int has_sections)
 {
     printf("%s: dynpoint mesh, format %" PRIu32 ", %" PRIu64 " bytes, %.1f a triangle\n", path, info->format_version,
            info->bytes, (double)info->bytes / info->triangles);
@@ -123,6 +125,9 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
     printf("  %-24s %10.6g x %.6g x %.6g m from (%.6g, %.6g, %.6g)\n", "box", info->box_max[0] - info->box_min[0],
            info->box_max[1] - info->box_min[1], info->box_max[2] - info->box_min[2], info->box_min[0], info->box_min[1],
            info->box_min[2]);
+    if (info->origin[0] != 0.0 || info->origin[1] != 0.0 || info->origin[2] != 0.0)
+        printf("  %-24s %10.9g, %.9g, %.9g m: its origin is there in the source\n", "moved to the origin from",
+               info->origin[0], info->origin[1], info->origin[2]);
     if (size_hint(info))
         printf("  %-24s %s, of dynpoint compile\n", "", size_hint(info));
     if (thickness)
@@ -144,7 +149,7 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
     if (info->source_bytes)
         printf("  %-24s %10" PRIu64 " bytes, hash %016" PRIx64 "\n", "source", info->source_bytes, info->source_hash);
     dpt_mesh_section section = { .size = sizeof section };
-    for (uint32_t i = 0; dpt_mesh_get_section(mesh, i, &section) == DPT_OK; i++)
+    for (uint32_t i = 0; has_sections && dpt_mesh_get_section(mesh, i, &section) == DPT_OK; i++)
         printf("  section %-16s %10" PRIu64 " bytes at %-10" PRIu64 " crc %08" PRIx32 "\n", section.name, section.bytes,
                section.offset, section.crc32);
 }
@@ -170,10 +175,11 @@ static int verify(const char *path)
 int command_info(int argc, char **argv)
 {
     const char *path;
-    int json = 0, check = 0, is_measured = 0;
+    int json = 0, check = 0, is_measured = 0, has_sections = 0;
     size_t operands;
     const struct option_def options[] = { { .name = "--json", .flag = &json },
                                           { .name = "--verify", .flag = &check },
+                                          { .name = "--sections", .flag = &has_sections },
                                           { .name = "--thickness", .flag = &is_measured } };
     int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
                                &path, 1, &operands);
@@ -214,7 +220,7 @@ int command_info(int argc, char **argv)
         if (json)
             print_json(mesh, &info, is_measured ? &thickness : NULL);
         else
-            print_text(path, mesh, &info, is_measured ? &thickness : NULL);
+            print_text(path, mesh, &info, is_measured ? &thickness : NULL, has_sections);
     }
     free(bytes);
     return arm || mesh ? 0 : check ? 1 : 2;

@@ -7,7 +7,7 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
-#include "host/shape.h"
+#include "scene/shape.h"
 #include "shape/mesh_file.h"
 #include "shape/trace_hand.h"
 #include "text/parse_number.h"
@@ -209,7 +209,8 @@ int command_make_trace(int argc, char **argv)
         return status;
     if (!mesh_path || !out || operands)
         return complain("make trace", "--mesh FILE.dpa and -o TRACE.csv are needed (see --help)");
-    if (output_check("make trace", out, (const char *const[]){ mesh_path, NULL }))
+    if (output_check("make trace", out, (const char *const[]){ mesh_path, NULL }) ||
+        output_check_name("make trace", out, ".csv .txt", "a table of comma-separated values"))
         return 2;
     const double limit = DPT_COORDINATE_MAX;
     if (!ticks)

@@ -128,6 +128,9 @@ static int read_options(int argc, char **argv, struct plan_options *options, str
     for (int i = 0; i < 2; i++)
         if (outputs[i] && (check_scene_output(scene, outputs[i]) || output_check("plan", outputs[i], inputs)))
             return 2;
+    if ((options->out && output_check_name("plan", options->out, ".json", "a plan in JSON")) ||
+        (options->header && output_check_name("plan", options->header, ".h .c", "source text in C")))
+        return 2;
     if (options->out && options->header && !strcmp(options->out, options->header))
         return complain("plan", "-o and --header name the same file");
     return -1;
@@ -172,7 +175,8 @@ static int choose_stiffness(struct plan *plan, const struct scene *scene, const 
                                               .gain_margin = PLAN_GAIN_MARGIN,
                                               .rate = plan->asked.rate,
                                               .loop_delay = HOST_LOOP_DELAY_PERIODS / plan->asked.rate };
-    if (complain_of("plan", host_coupling_find(scene, &info, &options, &coupling, &said), &said))
+    const struct coupled_tool tool = host_coupled_tool(scene);
+    if (complain_of("plan", host_coupling_find(&tool, &info, &options, &coupling, &said), &said))
         return 2;
     if (!isnan(asked) && coupling.limit != DPT_COUPLING_ASKED) {
         say_limit(&coupling, asked);
@@ -214,7 +218,7 @@ static int open_trace(const struct plan_options *options, struct plan *plan, con
         plan->motion.file = copy_text(options->trace);
         if (!plan->motion.file)
             return complain("plan", "memory ran out");
-        if (measure_trace_read(trace, "plan", options->trace, TICKS_LEAST))
+        if (measure_trace_read(trace, scene, options->trace, TICKS_LEAST))
             return 2;
     } else if (plan_trace_make(trace, scene, options->seed, options->ticks, plan->asked.rate, 0.0)) {
         return 2;

@@ -126,9 +126,11 @@ static void describe_run(const struct run_curves *run, char *text, size_t room)
 static void describe_line(struct plot *plot, const struct plot_panel *panel, int series)
 {
     const struct plot_group all = plot_line_extremes(panel->line[series]);
-    append(plot->description, sizeof plot->description,
-           " %s of %s: lowest %.6g %s at %.6g s, highest %.6g %s at %.6g s.", panel->name,
-           file_name(&plot->run[series]), all.low.y, panel->unit, all.low.x, all.high.y, panel->unit, all.high.x);
+    char low[PLOT_NUMBER_ROOM], high[PLOT_NUMBER_ROOM];
+    plot_quantity(all.low.y, 6, panel->unit, low);
+    plot_quantity(all.high.y, 6, panel->unit, high);
+    append(plot->description, sizeof plot->description, " %s of %s: lowest %s at %.6g s, highest %s at %.6g s.",
+           panel->name, file_name(&plot->run[series]), low, all.low.x, high, all.high.x);
 }
 
 static void fill_chart(struct plot *plot)
@@ -208,7 +210,7 @@ static int check_request(const struct plot *plot, const char *out, double from, 
     const char *const inputs[] = { plot->run[0].path, plot->run[1].path, NULL };
     if (plot->runs == 2 && !strcmp(inputs[0], "-") && !strcmp(inputs[1], "-"))
         return complain("plot", "standard input can be one run only");
-    return output_check("plot", out, inputs);
+    return output_check("plot", out, inputs) || output_check_name("plot", out, ".svg", "a picture in SVG") ? 2 : 0;
 }
 
 int command_plot(int argc, char **argv)

@@ -10,9 +10,9 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "dynpoint/device.h"
-#include "host/tip_shape.h"
 #include "record/recording_embed.h"
 #include "record/recording_file.h"
+#include "scene/tip_shape.h"
 
 static const char help[] =
     "usage: dynpoint record info FILE.dpr [--json]\n"
@@ -274,7 +274,8 @@ int command_record(int argc, char **argv)
     const int verb = operands == 2 ? word_index(operand[0], verbs) : -1;
     if (verb < 0 || (verb == 1) != (out != NULL) || (verb == 1 && json))
         return complain("record", "info FILE.dpr, or csv FILE.dpr -o OUT.csv is needed (see --help)");
-    if (out && output_check("record", out, (const char *const[]){ operand[1], NULL }))
+    if (out && (output_check("record", out, (const char *const[]){ operand[1], NULL }) ||
+                output_check_name("record", out, ".csv .txt", "a table of comma-separated values")))
         return 2;
     struct recording_file recording;
     status = recording_open(&recording, "record", operand[1]);

@@ -16,12 +16,13 @@
 #include "csv.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/loop.h"
-#include "host/setting_words.h"
 #include "plan/replay_plan.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
 #include "run/replay_report.h"
+#include "scene/setting_words.h"
 #include "shape/mesh_size.h"
+#include "shape/trace_unit.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpa TRACE.csv -o OUT.csv [options]\n"
@@ -90,24 +91,14 @@ struct replay_settings {
     const char *mesh, *trace, *out;
 };
 
-/* A world with one body and one tool, and its block of memory. */
-struct stage {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
-    size_t bytes;
-};
-
-static int stage_open(struct stage *stage, const dpt_world_def *def, struct replay_settings *settings,
+/* A world with one body and one tool. */
+static int open_world(struct scene_stage *stage, const dpt_world_def *def, struct replay_settings *settings,
                       const dpt_mesh *mesh, const struct csv_table *trace)
 {
     struct replay_tool *tool = &settings->tool;
+    const dpt_segment segment = replay_tool_segment(tool, trace);
     dpt_body body = 0;
-    stage->bytes = dpt_world_bytes(def);
-    stage->block = malloc(stage->bytes ? stage->bytes : 1);
-    if (!stage->block)
-        return complain("replay", "memory ran out");
-    dpt_result result = dpt_world_create(stage->block, stage->bytes, def, &stage->world);
+    dpt_result result = scene_stage_open(stage, def);
     if (result == DPT_E_UNSUPPORTED)
         return complain("replay", "--kernel %s: %s", kernels[def->kernel], dpt_result_text(result));
     if (result == DPT_OK)
@@ -115,9 +106,7 @@ static int stage_open(struct stage *stage, const dpt_world_def *def, struct repl
     if (result == DPT_OK)
         result = force_options_set_body(&settings->force, stage->world, body);
     if (result == DPT_OK)
-        result = replay_tool_add(tool, trace, stage->world, &stage->tool);
-    if (result == DPT_OK)
-        result = force_options_set_tool(&settings->force, stage->world, stage->tool, 0);
+        result = scene_stage_add_tool(stage, &segment, 1, &settings->force, 0);
     if (result == DPT_OK)
         result = replay_tool_add_tips(tool, stage->world, stage->tool, mesh, &settings->force);
     tool->curved.body_ids[0] = body;
@@ -140,7 +129,8 @@ static int check_row(const struct csv_table *trace, size_t row, dpt_result resul
                : complain("replay", "row %zu of %zu could not be felt: %s", row, trace->rows, dpt_result_text(result));
 }
 
-static int run_pass(struct stage *stage, struct replay_settings *settings, struct replayed *replayed, int is_first)
+static int run_pass(struct scene_stage *stage, struct replay_settings *settings, struct replayed *replayed,
+                    int is_first)
 {
     struct meter meter = { .began = 0 };
     dpt_guard guard = { .size = sizeof guard };
@@ -183,7 +173,7 @@ static int compare(struct replay_settings *settings, const dpt_mesh *mesh, struc
 {
     struct comparison *against = &replayed->against;
     const struct csv_table *trace = replayed->trace;
-    struct stage stage = { .block = NULL };
+    struct scene_stage stage = { .world = NULL };
     struct meter meter = { .began = 0 };
     dpt_world_def def = settings->def;
     def.method = (uint32_t)settings->against;
@@ -191,7 +181,7 @@ static int compare(struct replay_settings *settings, const dpt_mesh *mesh, struc
     def.budget = 0;
     def.until = DPT_UNTIL_TRACK;
     double *ns = malloc(trace->rows * sizeof *ns);
-    int status = ns ? stage_open(&stage, &def, settings, mesh, trace) : complain("replay", "memory ran out");
+    int status = ns ? open_world(&stage, &def, settings, mesh, trace) : complain("replay", "memory ran out");
     for (size_t i = 0; status == 0 && i < trace->rows; i += settings->every) {
         dpt_hit hit = DPT_HIT_INIT;
         if (against->ticks % 64 == 0)
@@ -214,7 +204,7 @@ static int compare(struct replay_settings *settings, const dpt_mesh *mesh, struc
         against->median_ns = percentile(ns, against->ticks, 0.5);
     }
     against->method = methods[settings->against];
-    free(stage.block);
+    scene_stage_close(&stage);
     free(ns);
     return status;
 }
@@ -253,7 +243,7 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
 {
     dpt_mesh_info info = { .size = sizeof info };
     dpt_world_info used = { .size = sizeof used };
-    struct stage stage = { .block = NULL };
+    struct scene_stage stage = { .world = NULL };
     struct replayed replayed = {
         .trace = trace, .until = settings->def.until, .law = settings->force.law, .strip_kind = settings->def.strip
     };
@@ -261,7 +251,7 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
     int status = replayed.ticks ? replay_tool_open(&settings->tool, settings->trace, trace)
                                 : complain("replay", "memory ran out");
     if (status == 0)
-        status = stage_open(&stage, &settings->def, settings, mesh, trace);
+        status = open_world(&stage, &settings->def, settings, mesh, trace);
     if (status == 0) {
         dpt_mesh_get_info(mesh, &info);
         dpt_world_get_info(stage.world, &used);
@@ -282,7 +272,7 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
     if (status == 0)
         status = write_results(settings, &replayed);
     replay_tool_close(&settings->tool);
-    free(stage.block);
+    scene_stage_close(&stage);
     free(replayed.ticks);
     return status;
 }
@@ -332,8 +322,11 @@ static int parse_settings(int argc, char **argv, struct replay_settings *setting
         return complain("replay", "FILE.dpa, TRACE.csv and -o OUT.csv are needed (see --help)");
     settings->mesh = operand[0];
     settings->trace = operand[1];
-    return output_check("replay", settings->out, (const char *const[]){ settings->mesh, settings->trace, NULL }) ? 2
-                                                                                                                 : -1;
+    const char *const inputs[] = { settings->mesh, settings->trace, NULL };
+    return output_check("replay", settings->out, inputs) ||
+                   output_check_name("replay", settings->out, ".csv .txt", "a table of comma-separated values")
+               ? 2
+               : -1;
 }
 
 /* Returns 0, or 2 after a message. */
@@ -467,8 +460,11 @@ int command_replay(int argc, char **argv)
     if (!mesh)
         return 2;
     status = read_trace(&trace, settings.trace);
-    if (status == 0)
+    if (status == 0) {
+        const struct trace_ball ball = trace_ball_of(mesh, NULL);
+        trace_note_unit(settings.trace, &trace, &ball, 1);
         status = run(&settings, mesh, &trace);
+    }
     csv_table_free(&trace);
     free(bytes);
     return status;

@@ -12,13 +12,12 @@
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "host/host_session.h"
-#include "host/scene_record.h"
 #include "plan/plan_trace.h"
 #include "record/plan_text.h"
-#include "record/recording_embed.h"
 #include "record/run_trace.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
+#include "scene/scene_record.h"
 #include "view/run_view.h"
 
 /* Deadlines that follow a device's samples come at most this much more often than its rate says. */
@@ -206,6 +205,10 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     printf("  guard: %" PRIu64 " clamped, %" PRIu64 " slewed, %" PRIu64 " stops\n", s->clamped, s->slewed, s->stops);
     printf("  device: %" PRIu64 " samples, %" PRIu64 " lost, %" PRIu64 " damaged, %" PRIu64 " commands missed\n",
            counts->samples, counts->lost, counts->damaged, counts->missed);
+    if (session->host.scene.device.flags & DPT_DEVICE_FLAG_DETERMINISTIC) {
+        puts("  by the device's own time, as fast as this machine can: no tick has a deadline");
+        return;
+    }
     printf("  %-28s %9s %9s %9s\n", "microseconds", "median", "99 %", "worst");
     print_times("late", s->late, s->late_max);
     print_times("a tick's work", s->took, s->took_max);
@@ -283,7 +286,7 @@ static int define_loop(struct session *session, const struct run_settings *setti
         return 2;
     def->ticks = run_is_traced(settings) ? session->trace.capacity : settings->ticks;
     *seconds = settings->seconds;
-    if (settings->record && !def->ticks && is_by_own_time(settings, info)) {
+    if (!def->ticks && is_by_own_time(settings, info)) {
         def->ticks = (uint64_t)ceil(settings->seconds * info->rate);
         *seconds = HUGE_VAL;
     }
@@ -340,6 +343,7 @@ static int run_loop(struct session *session, const struct run_settings *settings
 
 static int serve(dpt_device *device, struct session *session, const struct run_settings *settings)
 {
+    dpt_host_error error = { .size = sizeof error };
     dpt_loop_def def;
     dpt_loop *loop;
     double seconds;
@@ -366,7 +370,7 @@ static int serve(dpt_device *device, struct session *session, const struct run_s
     if (status)
         return status;
     if ((status = closed) == 0 && settings->embeds)
-        status = recording_embed_write(&settings->embed, settings->record);
+        status = complain_of("run", host_embed_write(&settings->embed, settings->record, &error), &error);
     dpt_device_get_counts(device, &counts);
     const int is_wrong = scene_trouble_text(&session->host.counts.trouble, &session->host.scene, session->wrong);
     (settings->json ? print_json : print_report)(session, &stats, &counts);
@@ -410,12 +414,14 @@ static int run(const struct run_settings *settings)
 int command_run(int argc, char **argv)
 {
     struct run_settings settings;
+    dpt_host_error error = { .size = sizeof error };
     int status = run_settings_read(&settings, argc, argv);
-    if (status < 0 && settings.embeds && recording_embed_load(&settings.embed, &settings.scene, settings.record))
+    if (status < 0 && settings.embeds &&
+        complain_of("run", host_embed_load(&settings.embed, &settings.scene, settings.record, &error), &error))
         status = 2;
     if (status < 0)
         status = run(&settings);
-    recording_embed_free(&settings.embed);
+    host_embed_free(&settings.embed);
     plan_free(&settings.plan);
     scene_def_free(&settings.scene);
     return status;

@@ -17,10 +17,13 @@ static const char help[] =
     "\n"
     "  CASE         some of them; default: 35 cases, all but hum, which runs only where it is named\n"
     "  --list       the cases' names and titles\n"
-    "  --effort E   share of the places and ticks, above 0, at most 1; default 1\n"
+    "  --effort E   share of the places and ticks, above 0, at most 1; default 0.25, about a minute of\n"
+    "               processor time; docs/stability.md is of 1, which takes four times as long\n"
     "  --json       one JSON object a line for each case, with the points of its charts\n";
 
 enum { CASES_MAX = 64 };
+
+#define EFFORT_USUAL 0.25
 
 static const struct lab_case *find_case(const char *name)
 {
@@ -198,7 +201,7 @@ int command_stability(int argc, char **argv)
 {
     const char *names[CASES_MAX];
     const struct lab_case *chosen[CASES_MAX + 1];
-    double effort = 1.0;
+    double effort = EFFORT_USUAL;
     int json = 0, lists = 0;
     size_t count;
     const struct option_def options[] = { { .name = "--list", .flag = &lists },

@@ -10,9 +10,9 @@
 #include "cli/compile_options.h"
 #include "cli/open_device.h"
 #include "dynpoint/compile.h"
-#include "host/host_file.h"
-#include "host/scene_list.h"
 #include "record/recording_file.h"
+#include "scene/host_file.h"
+#include "scene/scene_list.h"
 #include "view/view_recording.h"
 #include "view/view_scene.h"
 #include "view/view_serve.h"
@@ -29,10 +29,9 @@ static const char help[] =
     "and lets go, or by --device; it is dynpoint run SCENE --view.\n"
     "\n"
     "  -o PAGE.html     write a page that plays by itself, opened by a double click, and serve none\n"
-    "  --mesh FILE      the scene of the recording, if that is no scene by name, and the recording\n"
-    "                   does not carry it. The path in a recording is not opened: it may be another\n"
-    "                   person's\n"
-    "  --tool ARM.dpa   the arm whose tool moved, if one did and it is not carried\n"
+    "  --mesh FILE      where the scene of the recording is now, if that is no scene by name, the\n"
+    "                   recording does not carry it, and it is not where it was\n"
+    "  --tool ARM.dpa   likewise the arm whose tool moved\n"
     "  --open           open a browser\n"
     "  --port N         of the page; default a free one\n"
     "  --address A      serve it on this address instead, to other machines, unencrypted\n"
@@ -170,7 +169,7 @@ static int show_file(const struct view_settings *settings)
 /* `dynpoint run SCENE --view`, with a simulated hand if no device is named. */
 static int run_scene(int argc, char **argv)
 {
-    static char command[] = "run", view[] = "--view", device[] = "--device", press[] = "sim:?hand=press&live=1",
+    static char command[] = "view", view[] = "--view", device[] = "--device", press[] = "sim:?hand=press&live=1",
                 hold[] = "sim:?hand=hold&live=1";
     char **words = calloc((size_t)argc + 4, sizeof *words);
     int count = 0, has_device = 0, has_control = 0;
@@ -178,6 +177,13 @@ static int run_scene(int argc, char **argv)
         return complain("view", "memory ran out");
     words[count++] = command;
     for (int i = 1; i < argc; i++) {
+        if (!strcmp(argv[i], "-o")) {
+            free(words);
+            return complain("view",
+                            "-o: a scene is felt, and has no page of its own: dynpoint run %s ... --record F.dpr, then "
+                            "dynpoint view F.dpr -o PAGE.html",
+                            argv[1]);
+        }
         has_device |= !strcmp(argv[i], device);
         has_control |= !strcmp(argv[i], "--control");
         words[count++] = argv[i];
@@ -200,7 +206,10 @@ static int check_out(const struct view_settings *settings)
         return 0;
     if (settings->serve.open || settings->serve.port || settings->serve.address)
         return complain("view", "-o writes a page, and --open, --port and --address serve one");
-    return output_check("view", settings->out, inputs);
+    return output_check("view", settings->out, inputs) ||
+                   output_check_name("view", settings->out, ".html .htm", "a page")
+               ? 2
+               : 0;
 }
 
 int command_view(int argc, char **argv)

@@ -7,11 +7,12 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "host/host_file.h"
+#include "scene/host_file.h"
 #include "text/parse_number.h"
 
 int complain(const char *command, const char *format, ...)
@@ -118,6 +119,32 @@ int output_check(const char *command, const char *path, const char *const *input
         if (stat_file(*inputs, STDIN_FILENO, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
             return complain(command, "%s: it is an input too, and would be overwritten", path);
     return 0;
+}
+
+/* Whether `endings` has the ending, whatever its case. */
+static int is_among(const char *ending, const char *endings)
+{
+    const size_t length = strlen(ending);
+    for (; *endings; endings += strspn(endings, " ")) {
+        const size_t size = strcspn(endings, " ");
+        if (size == length && strncasecmp(ending, endings, size) == 0)
+            return 1;
+        endings += size;
+    }
+    return 0;
+}
+
+int output_check_name(const char *command, const char *path, const char *endings, const char *what)
+{
+    static const char formats[] =
+        ".csv .tsv .txt .json .dpa .dpr .svg .png .jpg .jpeg .gif .pdf .html .htm .obj .stl .ply "
+        ".off .c .h .xml .zip .gz";
+    const char *slash = strrchr(path, '/');
+    const char *ending = strrchr(slash ? slash : path, '.');
+    if (!ending || !is_among(ending, formats) || is_among(ending, endings))
+        return 0;
+    return complain(command, "%s: what is written is %s, and its name says another format: let it end in %.*s", path,
+                    what, (int)strcspn(endings, " "), endings);
 }
 
 int output_open(struct output *output, const char *command, const char *path)

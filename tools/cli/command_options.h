@@ -76,6 +76,14 @@ struct output {
 /* Refuse an output that is one of the inputs (ended by NULL), by whatever name. Returns 0, or 2 after a message. */
 int output_check(const char *command, const char *path, const char *const *inputs);
 
+/*
+ * Refuse a name that says another format than the one that is written. Names that say none are taken.
+ *   endings   those of the format, with blanks between: ".csv .txt"
+ *   what      "a picture in SVG"
+ * Returns 0, or 2 after a message.
+ */
+int output_check_name(const char *command, const char *path, const char *endings, const char *what);
+
 /* Each returns 0, or 2 after a message; then nothing is left behind. */
 int output_open(struct output *output, const char *command, const char *path);
 int output_complete(struct output *output, const char *command); /* call when all is written */

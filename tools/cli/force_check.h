@@ -4,7 +4,7 @@
 #define DPT_TOOLS_FORCE_CHECK_H
 
 #include "cli/law_name.h"
-#include "host/force_options.h"
+#include "scene/force_options.h"
 
 /* The exit status after a message, or 0. */
 static inline int force_options_check(const char *command, const struct force_options *options)

@@ -5,7 +5,7 @@
 
 #include "cli/command_options.h"
 #include "dynpoint/world.h"
-#include "host/setting_words.h"
+#include "scene/setting_words.h"
 
 #define LAW_HELP "point, bed or proxy"
 

@@ -10,8 +10,8 @@
 
 #include "cli/command_options.h"
 #include "clock.h"
-#include "host/host_file.h"
 #include "host/host_session.h"
+#include "scene/host_file.h"
 
 int open_device(const char *command, const char *name, dpt_device **device)
 {

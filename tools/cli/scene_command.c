@@ -41,7 +41,7 @@ int read_tip_shapes(struct tip_shapes *tips, const char *command, const struct o
 {
     dpt_host_error error = { .size = sizeof error };
     for (size_t i = 0; i < texts->count; i++)
-        if (complain_of(command, tip_shape_parse(&tips->shape[i], texts->text[i], &error), &error))
+        if (complain_of(command, tip_shape_parse(&tips->shape[i], "--tip", texts->text[i], &error), &error))
             return 2;
     tips->count = (uint32_t)texts->count;
     return 0;
@@ -60,10 +60,4 @@ int open_scene(struct scene *scene, const struct scene_def *def)
 {
     dpt_host_error error = { .size = sizeof error };
     return complain_of(def->command, scene_open(scene, def, &error), &error);
-}
-
-int make_scene_world(struct scene *scene, const dpt_device_info *device, uint32_t budget)
-{
-    dpt_host_error error = { .size = sizeof error };
-    return complain_of(scene->command, scene_make_world(scene, device, budget, &error), &error);
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A scene as a command opens it. Each call says on standard error what it has to say, and returns 0, or 2, the exit
- * status. The host library's own calls have the contracts: host/scene_def.h, host/scene.h.
+ * status. The host library's own calls have the contracts: scene/scene_def.h, scene/scene.h.
  */
 #ifndef DPT_TOOLS_SCENE_COMMAND_H
 #define DPT_TOOLS_SCENE_COMMAND_H
 
 #include "cli/command_options.h"
-#include "host/scene.h"
+#include "scene/scene.h"
 
 int read_scene_def(struct scene_def *def);
 
@@ -22,6 +22,5 @@ int read_tip_shapes(struct tip_shapes *tips, const char *command, const struct o
 int check_scene_output(const struct scene_def *def, const char *path);
 
 int open_scene(struct scene *scene, const struct scene_def *def);
-int make_scene_world(struct scene *scene, const dpt_device_info *device, uint32_t budget);
 
 #endif

@@ -19,7 +19,7 @@ static void put_body(struct hand_loop *loop, double along)
 {
     for (int k = 0; k < 3; k++)
         loop->body_pose.position[k] = along * loop->place->out[k];
-    dpt_body_set_pose(loop->world, loop->body, &loop->body_pose);
+    dpt_body_set_pose(loop->stage.world, loop->body, &loop->body_pose);
 }
 
 /* From its lowest place on, 5 mm up and down. */
@@ -36,7 +36,7 @@ static void yield(struct hand_loop *loop, double time)
     double along = 0.0, force = 0.0;
     dpt_wrench wrench;
     (void)time;
-    dpt_tool_get_wrench(loop->world, loop->held, &wrench);
+    dpt_tool_get_wrench(loop->stage.world, loop->stage.tool, &wrench);
     for (int k = 0; k < 3; k++) {
         along += loop->body_pose.position[k] * loop->place->out[k];
         force += wrench.force[k] * loop->place->out[k];

@@ -79,7 +79,7 @@ static void run_budget_of(struct lab *lab, int method, const dpt_mesh *mesh)
     }
     lab_at_most(lab, name, "ticks that lack a force, contact unknown, at all budgets",
                 lab_per_cent(small.unknown + enough.unknown, small.ticks + enough.ticks), "%", 0.0);
-    lab_at_most(lab, name, "below 200 units: largest |dW|, of K (3 |motion| + 1 mm)", small.share, "", LAB_SHARE_MAX);
+    lab_at_most(lab, name, "below 200 units: largest |dW|, of K (3 |motion| + 1 mm)", small.share, "", LEAD_SHARE_MAX);
     lab_note(lab, name, "below 200 units: ticks that turn the force by over 30 degrees",
              lab_per_cent(small.turns, small.acting), "%");
     if (lab_has_proxy(method))

@@ -33,9 +33,7 @@ struct jitter {
 };
 
 struct drag {
-    dpt_world *world;
-    void *block;
-    dpt_tool tool;
+    struct scene_stage stage;
     struct tissue tissue;
     dpt_overlap *strip;
     double (*force)[3]; /* of so many ticks */
@@ -57,23 +55,21 @@ static int open_drag(struct drag *drag, const struct hand_mesh *mesh, int method
     *drag = (struct drag){ .tissue = { .mesh = mesh->mesh, .matter = matter, .ticks = 1 } };
     drag->tissue.response = response == ALL ? DPT_RESPONSE_DISPLACE : DPT_RESPONSE_LOAD;
     drag->tissue.is_led = 1;
-    const size_t bytes = dpt_world_bytes(&def);
-    drag->block = malloc(bytes);
     drag->strip = malloc(STRIP * sizeof *drag->strip);
     drag->force = malloc(TICKS * sizeof *drag->force);
-    if (!drag->block || !drag->strip || !drag->force ||
-        dpt_world_create(drag->block, bytes, &def, &drag->world) != DPT_OK ||
-        !tissue_open(&drag->tissue, drag->world) || dpt_tool_add(drag->world, &pin, 1, &drag->tool) != DPT_OK)
+    if (!drag->strip || !drag->force || scene_stage_open(&drag->stage, &def) != DPT_OK ||
+        !tissue_open(&drag->tissue, drag->stage.world) ||
+        scene_stage_add_tool(&drag->stage, &pin, 1, NULL, 0) != DPT_OK)
         return 0;
-    dpt_tool_get_settings(drag->world, drag->tool, &settings);
+    dpt_tool_get_settings(drag->stage.world, drag->stage.tool, &settings);
     settings.stiffness = STIFFNESS;
-    return dpt_tool_set_settings(drag->world, drag->tool, &settings) == DPT_OK;
+    return dpt_tool_set_settings(drag->stage.world, drag->stage.tool, &settings) == DPT_OK;
 }
 
 static void close_drag(struct drag *drag)
 {
     tissue_close(&drag->tissue);
-    free(drag->block);
+    scene_stage_close(&drag->stage);
     free(drag->strip);
     free(drag->force);
 }
@@ -85,7 +81,7 @@ static void move_nearest(struct drag *drag)
     const uint32_t *corners, *numbers;
     uint32_t count, flags, triangles;
     drag->strip[0].size = sizeof *drag->strip;
-    dpt_tool_get_strip(drag->world, drag->tool, 0, drag->strip, STRIP, &count, &flags);
+    dpt_tool_get_strip(drag->stage.world, drag->stage.tool, 0, drag->strip, STRIP, &count, &flags);
     for (uint32_t i = 0; i < count && i < STRIP; i++)
         if (!nearest || drag->strip[i].distance < nearest->distance)
             nearest = &drag->strip[i];
@@ -105,9 +101,9 @@ static void place_pin(struct drag *drag, int tick)
     const dpt_pose pose = { { -0.02 + 0.96 * along, -0.006 + 0.28 * along, RADIUS + 1e-3 - (DEPTH + 1e-3) * sunk },
                             { 1.0, 0.0, 0.0, 0.0 } };
     if (tick)
-        dpt_tool_set_pose(drag->world, drag->tool, &pose);
+        dpt_tool_set_pose(drag->stage.world, drag->stage.tool, &pose);
     else
-        dpt_tool_teleport(drag->world, drag->tool, &pose);
+        dpt_tool_teleport(drag->stage.world, drag->stage.tool, &pose);
 }
 
 static void run_drag(struct drag *drag, enum response response)
@@ -116,8 +112,8 @@ static void run_drag(struct drag *drag, enum response response)
         dpt_wrench wrench;
         place_pin(drag, tick);
         tissue_advance(&drag->tissue);
-        dpt_world_step(drag->world, TISSUE_TICK, NULL);
-        dpt_tool_get_wrench(drag->world, drag->tool, &wrench);
+        dpt_world_step(drag->stage.world, TISSUE_TICK, NULL);
+        dpt_tool_get_wrench(drag->stage.world, drag->stage.tool, &wrench);
         if (response == ALONE)
             move_nearest(drag);
         if (tick >= SETTLING)

@@ -103,6 +103,12 @@ static double jump_of(const struct hum_tick *tick)
     ((uint32_t)(DPT_FORCE_FLAG_FADING | DPT_FORCE_FLAG_FOLD | DPT_FORCE_FLAG_SQUEEZED | DPT_FORCE_FLAG_REPLACED |      \
                 DPT_FORCE_FLAG_BEHIND))
 
+/* Whether a contact begins to slip: nothing slipped before, or something held the tool, and nothing does now. */
+static int slip_begins(const struct hum_tick *tick)
+{
+    return !tick[-1].slipping || (tick[-1].sticking && !tick->sticking);
+}
+
 /* What a jump has beyond what the device's motion allows, N. A contact that slips has an allowance of its own. */
 static void judge_motion(const struct hum_trial *trial, double *beyond, struct answer *answer)
 {
@@ -115,7 +121,7 @@ static void judge_motion(const struct hum_trial *trial, double *beyond, struct a
         const int has_flag = ((tick->flags | tick[-1].flags) & EXPLAINING) != 0;
         if (tick->slipping || tick[-1].slipping) {
             const double moved = HUM_JUMP_GAIN * trial->stiffness * tick->motion + HUM_JUMP_MOVED;
-            const double allowed = fmax(moved, SLIP_SHARE * force) + (tick[-1].slipping ? 0.0 : onset * force);
+            const double allowed = fmax(moved, SLIP_SHARE * force) + (slip_begins(tick) ? onset * force : 0.0);
             explained += has_flag && jump > allowed;
             answer->slip_share = fmax(answer->slip_share, has_flag ? 0.0 : jump / allowed);
         } else {
@@ -304,7 +310,8 @@ const struct lab_case hum_case = {
         "While the device has stood still for 1 s, hum may be 0.1 % of the mean force or 0.5 mN, and 99 % of "
         "jumps 1 mN. While it moves, by at most 0.05 mm a tick, 99 % of jumps may be 1.5 K times its motion and 2 "
         "mN, and none that no flag explains more than 20 mN beside that. What slips may jump so, or by 5 % of the "
-        "force, and by what friction loses when it sets in. Flags may explain 0.5 % of the ticks. A row without 1 "
+        "force, and by what friction loses when slip sets in: where the last touch that held the tool lets go. Flags "
+        "may explain 0.5 % of the ticks. A row without 1 "
         "mN of force fails. Tissue is as damped as its scene has it. The rigid liver is the reference; it is "
         "pressed less deep: a rigid surface with dents lets a proxy snap that is held back by more than its "
         "radius. Real organs are made soft as the liver is, and lie flat.",

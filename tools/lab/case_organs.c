@@ -109,12 +109,15 @@ static void note_push(struct lab *lab, int method, const struct push_result *res
                 lab_per_cent(result->turns, result->ticks), "%", 0.0);
     lab_at_most(lab, name, "ticks that reverse the force, by over 90 degrees",
                 lab_per_cent(result->reversals, result->ticks), "%", 0.0);
-    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", result->largest_share, "", 1.0);
+    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", result->largest_share, "",
+                LEAD_SHARE_MAX);
     lab_note(lab, name, "largest change of force in a tick", result->largest_jump, "N");
     lab_note(lab, name, "ticks with a force", (double)result->ticks, "");
     if (!lab_has_proxy(method))
         return;
     lab_at_most(lab, name, "ticks whose proxy is in the body", (double)result->penetrations, "", 0.0);
+    lab_at_most(lab, name, "ticks of a fold that push harder than the motion explains", (double)result->fold_pushes, "",
+                0.0);
     lab_note(lab, name, "ticks with a fold", lab_per_cent(result->folds, result->ticks), "%");
 }
 

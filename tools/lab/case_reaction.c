@@ -37,10 +37,10 @@ static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *t
     uint32_t count, vertices;
     dpt_pose pose;
     double force[3], moment[3];
-    dpt_tool_get_force_info(loop->world, loop->held, &report);
-    dpt_tool_get_pose(loop->world, loop->held, &pose);
-    dpt_body_get_vertices(loop->world, loop->body, &positions, &vertices);
-    if (dpt_body_get_loads(loop->world, loop->body, loads, LOADS, &count) != DPT_OK)
+    dpt_tool_get_force_info(loop->stage.world, loop->stage.tool, &report);
+    dpt_tool_get_pose(loop->stage.world, loop->stage.tool, &pose);
+    dpt_body_get_vertices(loop->stage.world, loop->body, &positions, &vertices);
+    if (dpt_body_get_loads(loop->stage.world, loop->body, loads, LOADS, &count) != DPT_OK)
         tally->failed++;
     memcpy(force, report.wrench.force, sizeof force);
     memcpy(moment, report.wrench.torque, sizeof moment);
@@ -67,10 +67,10 @@ static void weigh(const struct hand_loop *loop, dpt_load *loads, struct tally *t
 static void make_rough(struct hand_loop *loop)
 {
     dpt_body_settings settings = { .size = sizeof settings };
-    dpt_body_get_settings(loop->world, loop->body, &settings);
+    dpt_body_get_settings(loop->stage.world, loop->body, &settings);
     settings.static_friction = settings.kinetic_friction = 0.6;
     settings.stiffness = 800.0;
-    dpt_body_set_settings(loop->world, loop->body, &settings);
+    dpt_body_set_settings(loop->stage.world, loop->body, &settings);
 }
 
 /* The tool is pressed in, slides and rocks; then it leaps by 1.3 rad, goes out of the tissue, and comes again. */

@@ -151,8 +151,10 @@ const struct lab_case bodies_case = {
               "their tops flush, pressed in by 1 mm: lying across the seam, lying along it, and on its "
               "tip. At the same time it slides over one block of the same size. The forces should be "
               "the same. The ball is this library's proxy of one point at the tip.",
-    .advice = "What is one thing to the hand should be one mesh, if a law without a proxy is used: "
-              "inner walls count as surfaces there, and take force away at every seam. The proxy never meets them.",
+    .advice =
+        "What is one thing to the hand should be one mesh, if a law without a proxy is used: "
+        "each body pushes for itself, so a bed feels up to twice the force along a seam, and inner walls count as surfaces "
+        "there and take force away. The proxy never meets them.",
     .run = run_bodies
 };
 

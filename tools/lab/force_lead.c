@@ -7,7 +7,7 @@
 
 #include "base/vec3.h"
 #include "clock.h"
-#include "host/force_options.h"
+#include "scene/force_options.h"
 
 double uniform(uint64_t *seed, double low, double high)
 {
@@ -28,22 +28,20 @@ int force_lead_open(struct force_lead *lead, const struct force_trial_def *def)
     world.stiffness = def->stiffness;
     world.max_contacts = (uint32_t)def->contacts;
     world.max_bodies = world.max_tools = world.max_segments = 1;
-    const size_t bytes = dpt_world_bytes(&world);
     *lead = (struct force_lead){ .def = def, .device = identity, .before = identity, .seed = def->seed };
     lead->rho = def->length / sqrt(12.0);
-    lead->block = malloc(bytes ? bytes : 1);
     lead->force.size = sizeof lead->force;
     const struct force_options force = { .friction = def->friction };
-    return lead->block && dpt_world_create(lead->block, bytes, &world, &lead->world) == DPT_OK &&
-           dpt_body_add(lead->world, def->mesh, NULL, &body) == DPT_OK &&
-           force_options_set_body(&force, lead->world, body) == DPT_OK &&
-           dpt_tool_add(lead->world, &segment, 1, &lead->tool) == DPT_OK;
+    return scene_stage_open(&lead->stage, &world) == DPT_OK &&
+           dpt_body_add(lead->stage.world, def->mesh, NULL, &body) == DPT_OK &&
+           force_options_set_body(&force, lead->stage.world, body) == DPT_OK &&
+           scene_stage_add_tool(&lead->stage, &segment, 1, NULL, 0) == DPT_OK;
 }
 
 void force_lead_close(struct force_lead *lead)
 {
     free(lead->us);
-    free(lead->block);
+    scene_stage_close(&lead->stage);
 }
 
 /* Without memory the tick is left out. */
@@ -78,27 +76,40 @@ static void note_result(const struct force_lead *lead, dpt_result result)
         *lead->def->failure = result;
 }
 
+int force_lead_lags(const struct force_lead *lead, const dpt_force_info *force)
+{
+    return force->lag > 0.01 * vec3_length(force->wrench.force) / lead->def->stiffness;
+}
+
+void force_lead_note_fold(struct force_lead *lead)
+{
+    const int goes_on = lead->is_folding && force_lead_lags(lead, &lead->last);
+    lead->is_folding = goes_on || (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
+}
+
 void force_lead_step(struct force_lead *lead)
 {
     lead->last = lead->force;
-    note_result(lead, dpt_tool_set_pose(lead->world, lead->tool, &lead->device));
+    note_result(lead, dpt_tool_set_pose(lead->stage.world, lead->stage.tool, &lead->device));
     const uint64_t begin = clock_now();
-    const dpt_result result = dpt_world_step(lead->world, LEAD_DT, NULL);
+    const dpt_result result = dpt_world_step(lead->stage.world, LEAD_DT, NULL);
     const uint64_t ns = clock_now() - begin;
     note_result(lead, result);
-    dpt_tool_get_force_info(lead->world, lead->tool, &lead->force);
+    dpt_tool_get_force_info(lead->stage.world, lead->stage.tool, &lead->force);
     if (lead->force.reason == DPT_FORCE_ACTS)
         note_time(lead, 1e-3 * (double)ns);
     if (lead->def->low_pass > 0.0)
         pass_low(lead);
+    force_lead_note_fold(lead);
 }
 
 void force_lead_start(struct force_lead *lead)
 {
-    note_result(lead, dpt_tool_teleport(lead->world, lead->tool, &lead->device));
-    note_result(lead, dpt_world_step(lead->world, LEAD_DT, NULL));
+    note_result(lead, dpt_tool_teleport(lead->stage.world, lead->stage.tool, &lead->device));
+    note_result(lead, dpt_world_step(lead->stage.world, LEAD_DT, NULL));
     lead->before = lead->device;
     memset(&lead->force.wrench, 0, sizeof lead->force.wrench);
+    lead->is_folding = 0;
     force_lead_step(lead);
     lead->last = lead->force;
 }
@@ -145,15 +156,28 @@ double force_lead_moved(const struct force_lead *lead)
     return sqrt(vec3_dot(shift, shift) + lead->rho * lead->rho * vec3_dot(turn, turn));
 }
 
+/* |W|, N */
+static double size_of(const struct force_lead *lead, const double *force, const double *torque)
+{
+    const double turning = lead->rho > 0.0 ? vec3_length(torque) / lead->rho : 0.0;
+    return sqrt(vec3_dot(force, force) + turning * turning);
+}
+
 double force_lead_change(const struct force_lead *lead)
 {
     const dpt_wrench *now = &lead->force.wrench, *was = &lead->last.wrench;
-    double square = 0.0;
+    double force[3], torque[3];
     for (int k = 0; k < 3; k++) {
-        const double f = now->force[k] - was->force[k], t = now->torque[k] - was->torque[k];
-        square += f * f + (lead->rho > 0.0 ? t * t / (lead->rho * lead->rho) : 0.0);
+        force[k] = now->force[k] - was->force[k];
+        torque[k] = now->torque[k] - was->torque[k];
     }
-    return sqrt(square);
+    return size_of(lead, force, torque);
+}
+
+double force_lead_growth(const struct force_lead *lead)
+{
+    const dpt_wrench *now = &lead->force.wrench, *was = &lead->last.wrench;
+    return size_of(lead, now->force, now->torque) - size_of(lead, was->force, was->torque);
 }
 
 double force_lead_turned(const struct force_lead *lead, double largest)

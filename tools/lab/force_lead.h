@@ -4,6 +4,7 @@
 #define DPT_TOOLS_FORCE_LEAD_H
 
 #include "lab/force_trial.h"
+#include "scene/scene_stage.h"
 
 #define LEAD_DT 1e-3
 
@@ -16,13 +17,18 @@
 /* m/s: how fast a proxy may move beside its device; world.h. */
 #define PROXY_SPEED 1.0
 
+/*
+ * The limit of |dW| as a share of K (3 |motion| + PROXY_SPEED dt). A proxy that moves by its cap meets the bound exactly;
+ * both sides are differences of poses, and rounding must not decide.
+ */
+#define LEAD_SHARE_MAX (1.0 + 1e-9)
+
 struct force_lead {
     const struct force_trial_def *def;
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
+    struct scene_stage stage;
     dpt_pose device, before;
     dpt_force_info force, last; /* their wrenches behind the low-pass */
+    int is_folding;             /* the last tick is one of a fold: it told it, or came after such a one that lagged */
     uint64_t seed;
     double rho; /* m: what a turn of 1 rad counts as */
     double tremor[3];
@@ -39,6 +45,9 @@ struct place {
 int force_lead_open(struct force_lead *lead, const struct force_trial_def *def);
 void force_lead_close(struct force_lead *lead);
 
+/* `force` is that of a new tick, and `last` that of the one before: is it one of a fold? */
+void force_lead_note_fold(struct force_lead *lead);
+
 /* A tick to `device`. */
 void force_lead_step(struct force_lead *lead);
 
@@ -53,6 +62,12 @@ double force_lead_moved(const struct force_lead *lead);
 
 /* |dW| of the last tick, N: of force and torque / rho. Of a ball the force alone. */
 double force_lead_change(const struct force_lead *lead);
+
+/* Whether a tick left the proxy more than 1 % of |p - d| before its place of rest. */
+int force_lead_lags(const struct force_lead *lead, const dpt_force_info *force);
+
+/* By how much |W| grew in the last tick, N. */
+double force_lead_growth(const struct force_lead *lead);
 
 /* By how much the last tick turned the force, rad; 0 while it was small before or behind, or beside the largest one. */
 double force_lead_turned(const struct force_lead *lead, double largest);

@@ -269,39 +269,44 @@ int force_trial_paths(const struct force_trial_def *def, struct path_result *res
 /* rad, 30 degrees. */
 #define TURN_MAX 0.5235987755982988
 
-static void judge_proxy(struct force_lead *lead, int is_fold, struct push_result *result)
+/* N: a fold may push harder by so much, beside what the device's motion explains: its clearance is worth less. */
+#define FOLD_PUSH 1e-3
+
+static void judge_proxy(struct force_lead *lead, struct push_result *result)
 {
-    const double force = vec3_length(lead->force.wrench.force);
     dpt_pose proxy;
-    dpt_tool_get_proxy(lead->world, lead->tool, &proxy);
+    dpt_tool_get_proxy(lead->stage.world, lead->stage.tool, &proxy);
     const double gap = force_lead_gap(lead, &proxy);
     result->gap_min = fmin(result->gap_min, gap);
     result->penetrations += gap < 0.0;
-    result->lagging += !is_fold && force > SMALL_FORCE && lead->force.lag > 0.01 * force / lead->def->stiffness;
+    result->lagging +=
+        !lead->is_folding && vec3_length(lead->force.wrench.force) > SMALL_FORCE && force_lead_lags(lead, &lead->force);
+    /* It goes where it is nearer to the device: |p' - d'| <= |p - d'| <= |p - d| + |motion|. */
+    const double explained = lead->def->stiffness * force_lead_moved(lead) + FOLD_PUSH;
+    result->fold_pushes += lead->is_folding && force_lead_growth(lead) > explained;
 }
 
 static void judge_push(struct force_lead *lead, double largest, struct push_result *result)
 {
     const struct force_trial_def *def = lead->def;
-    const int is_fold = (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
     /* Friction turns with the motion, by as much as its cone is wide. */
     const double turn_max = TURN_MAX + 2.0 * atan(def->friction);
     double jump[3];
     for (int k = 0; k < 3; k++)
         jump[k] = lead->force.wrench.force[k] - lead->last.wrench.force[k];
     result->ticks += lead->force.reason == DPT_FORCE_ACTS;
-    result->folds += (uint64_t)is_fold;
+    result->folds += (lead->force.flags & DPT_FORCE_FLAG_FOLD) != 0;
     result->unknown += lead->force.reason == DPT_FORCE_UNDECIDED;
     const double angle = force_lead_turned(lead, largest);
     const double allowed = def->stiffness * (3.0 * force_lead_moved(lead) + PROXY_SPEED * LEAD_DT);
     const double share = force_lead_change(lead) / allowed;
-    result->turns += angle > turn_max && !is_fold;
-    result->reversals += angle > 3.0 * TURN_MAX && !is_fold;
-    result->jumps += share > 1.0;
+    result->turns += angle > turn_max && !lead->is_folding;
+    result->reversals += angle > 3.0 * TURN_MAX && !lead->is_folding;
+    result->jumps += share > LEAD_SHARE_MAX;
     result->largest_share = fmax(result->largest_share, share);
     result->largest_jump = fmax(result->largest_jump, vec3_length(jump));
     if (def->law == DPT_LAW_PROXY)
-        judge_proxy(lead, is_fold, result);
+        judge_proxy(lead, result);
 }
 
 /* Lead the device from outside to the depth, then along the surface or not, with a tremor. */

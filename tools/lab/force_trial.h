@@ -26,14 +26,20 @@ struct force_trial_def {
     dpt_result *failure; /* gets the result of the first tick that fails; NULL: nobody asks */
 };
 
-/* Of needles that are pushed in at a place, upright to lying, and led along there with a tremor. */
+/*
+ * Of needles that are pushed in at a place, upright to lying, and led along there with a tremor.
+ *
+ * A fold is the mesh's: the minimum that the proxy followed has vanished (docs/algorithms/force.md). Its ticks are those
+ * that report it, and those after them until the proxy has arrived: one that began the tick with a lag above 1 %.
+ */
 struct push_result {
     uint64_t ticks;        /* with a force, or that ought to have one */
-    uint64_t turns;        /* the force turned by more than 30 degrees, and no fold was reported */
+    uint64_t turns;        /* the force turned by more than 30 degrees, and no fold was under way */
     uint64_t reversals;    /* likewise, by more than 90 degrees */
     uint64_t folds;        /* ticks that reported one */
-    uint64_t jumps;        /* |dW| above K (3 |motion| + v_max dt) */
-    uint64_t lagging;      /* lag above 1 % of |p - d| */
+    uint64_t fold_pushes;  /* ticks with a fold under way that made |W| grow by more than K |motion|; FOLD_PUSH */
+    uint64_t jumps;        /* |dW| above K (3 |motion| + v_max dt), with a fold or without */
+    uint64_t lagging;      /* lag above 1 % of |p - d|, and no fold was under way */
     uint64_t penetrations; /* the proxy's surface was nearer than 0 to the mesh */
     uint64_t unknown;      /* ticks without a force because contact was not known */
     double largest_jump;   /* N, of the force in a tick */

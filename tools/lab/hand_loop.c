@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/quaternion.h"
+#include "host/host_coupling.h"
 
 /* m: from where a tool is lowered, beside half its length, and by what steps. */
 #define ABOVE  0.03
@@ -62,24 +63,24 @@ static dpt_segment segment_of(const struct hand_loop *loop)
 static void set_tool(struct hand_loop *loop)
 {
     dpt_tool_settings settings = { .size = sizeof settings };
-    dpt_tool_get_settings(loop->world, loop->held, &settings);
+    dpt_tool_get_settings(loop->stage.world, loop->stage.tool, &settings);
     settings.stiffness = loop->stiffness;
     settings.rotational_stiffness = loop->rotational_stiffness;
     settings.damping = loop->damping;
     settings.lock_rotation = loop->device.dofs < HAND_AXES;
-    dpt_tool_set_settings(loop->world, loop->held, &settings);
+    dpt_tool_set_settings(loop->stage.world, loop->stage.tool, &settings);
 }
 
 static int add_body(struct hand_loop *loop)
 {
     if (loop->springs) {
-        const int is_open = spring_body_open(loop->springs, loop->world);
+        const int is_open = spring_body_open(loop->springs, loop->stage.world);
         loop->body = loop->springs->body;
         return is_open;
     }
     if (!loop->tissue)
-        return dpt_body_add(loop->world, loop->place->mesh->mesh, NULL, &loop->body) == DPT_OK;
-    if (!tissue_open(loop->tissue, loop->world))
+        return dpt_body_add(loop->stage.world, loop->place->mesh->mesh, NULL, &loop->body) == DPT_OK;
+    if (!tissue_open(loop->tissue, loop->stage.world))
         return 0;
     loop->body = loop->tissue->body;
     return 1;
@@ -95,11 +96,9 @@ int hand_loop_open(struct hand_loop *loop)
     def.law = loop->method == LAB_POINT ? DPT_LAW_POINT : loop->method == LAB_BED ? DPT_LAW_BED : DPT_LAW_PROXY;
     def.max_contacts = LAB_CONTACTS;
     def.max_bodies = def.max_tools = def.max_segments = 1;
-    const size_t bytes = dpt_world_bytes(&def);
     loop->body_pose = (dpt_pose)DPT_POSE_IDENTITY;
-    loop->block = malloc(bytes);
-    if (!loop->block || dpt_world_create(loop->block, bytes, &def, &loop->world) != DPT_OK || !add_body(loop) ||
-        dpt_tool_add(loop->world, &segment, 1, &loop->held) != DPT_OK)
+    if (scene_stage_open(&loop->stage, &def) != DPT_OK || !add_body(loop) ||
+        scene_stage_add_tool(&loop->stage, &segment, 1, NULL, 0) != DPT_OK)
         return 0;
     set_tool(loop);
     return 1;
@@ -111,9 +110,8 @@ void hand_loop_close(struct hand_loop *loop)
         tissue_close(loop->tissue);
     if (loop->springs)
         spring_body_close(loop->springs);
-    free(loop->block);
+    scene_stage_close(&loop->stage);
     free(loop->track);
-    loop->block = NULL;
     loop->track = NULL;
 }
 
@@ -150,7 +148,7 @@ static dpt_force_info felt(const struct hand_loop *loop)
 {
     const double scale = or_one(loop->force_scale), share = scale / or_one(loop->zoom);
     dpt_force_info report = { .size = sizeof report };
-    dpt_tool_get_force_info(loop->world, loop->held, &report);
+    dpt_tool_get_force_info(loop->stage.world, loop->stage.tool, &report);
     quaternion_rotate_back(loop->axes, report.wrench.force, report.wrench.force);
     quaternion_rotate_back(loop->axes, report.wrench.torque, report.wrench.torque);
     for (int k = 0; k < 3; k++) {
@@ -181,10 +179,10 @@ static void to_components(const double turn[3], double torque[3])
 static dpt_force_info step_to(struct hand_loop *loop, const double at[HAND_AXES], double dt)
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
-    dpt_tool_set_pose(loop->world, loop->held, &pose);
+    dpt_tool_set_pose(loop->stage.world, loop->stage.tool, &pose);
     if (loop->tissue)
         tissue_advance(loop->tissue);
-    dpt_world_step(loop->world, dt, NULL);
+    dpt_world_step(loop->stage.world, dt, NULL);
     if (loop->springs)
         spring_body_step(loop->springs, dt);
     dpt_force_info report = felt(loop);
@@ -204,14 +202,14 @@ static void jump_to(struct hand_loop *loop, const double at[HAND_AXES])
 {
     const dpt_pose hand = pose_at(at), pose = tool_pose(loop, &hand);
     uint32_t steps = 2;
-    dpt_tool_teleport(loop->world, loop->held, &pose);
+    dpt_tool_teleport(loop->stage.world, loop->stage.tool, &pose);
     if (loop->tissue) {
         tissue_rest(loop->tissue);
         loop->tissue->is_held = 1;
         steps += loop->tissue->ticks;
     }
     for (uint32_t i = 0; i < steps; i++)
-        dpt_world_step(loop->world, 1e-3, NULL);
+        dpt_world_step(loop->stage.world, 1e-3, NULL);
 }
 
 /* The height from which the tool is lowered, m of the hand. */
@@ -328,23 +326,22 @@ static dpt_device *open_device(const struct hand_device *device, double step, do
 
 dpt_coupling hand_loop_choose(const struct hand_loop *loop, double margin)
 {
+    const struct coupled_tool tool = { .rho = loop->tool.length / sqrt(12.0),
+                                       .zoom = or_one(loop->zoom),
+                                       .force_scale = or_one(loop->force_scale) };
+    struct coupling_options options = { .stiffness = NAN, .gain_margin = margin };
     dpt_coupling coupling = { .size = sizeof coupling };
-    dpt_coupling_def def;
     dpt_device_info info = { .size = sizeof info };
+    dpt_host_error error = { .size = sizeof error };
     dpt_device *device = open_device(&loop->device, loop->device.step, loop->device.turn_step);
-    dpt_coupling_def_init(&def);
     if (!device)
         return coupling;
     dpt_device_get_info(device, &info);
     dpt_device_close(device);
-    dpt_device_fill_coupling(&info, &def);
-    def.rho = loop->tool.length / sqrt(12.0);
-    def.zoom = or_one(loop->zoom);
-    def.force_scale = or_one(loop->force_scale);
-    def.gain_margin = margin;
+    options.rate = info.rate;
     if (loop->tissue && loop->tissue->is_interpolated && !loop->is_uncounted)
-        def.loop_delay = tissue_period(loop->tissue);
-    dpt_coupling_for_device(&def, &coupling);
+        options.loop_delay = tissue_period(loop->tissue);
+    host_coupling_find(&tool, &info, &options, &coupling, &error);
     return coupling;
 }
 
@@ -406,13 +403,13 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     const dpt_force_info report = loop->place ? step_to(loop, at, sample->dt) : spring(loop, at, sample->dt);
     *wrench = report.wrench;
     if (loop->passivity) {
-        const dpt_passivity_sample seen = { .size = sizeof seen,
-                                            .dt = sample->dt,
-                                            .energy = report.energy,
-                                            .body_work = loop->is_uncredited ? 0.0 : report.body_work,
-                                            .pose = pose_at(at),
-                                            .sent = sample->sent };
-        dpt_passivity_step(&loop->observer, &seen, wrench);
+        /* It knows of the device what the encoders tell. */
+        dpt_device_state state = *sample->state;
+        dpt_loop_sample seen = *sample;
+        state.pose = pose_at(at);
+        seen.state = &state;
+        scene_passivity_go_on(&loop->observer, &seen, report.energy, loop->is_uncredited ? 0.0 : report.body_work,
+                              wrench);
     }
     note(loop, sample, time, &report);
     const double tapped = loop->has_begun ? 0.0 : sample->info->rate;
@@ -454,10 +451,8 @@ int hand_loop_run(struct hand_loop *loop, uint64_t ticks)
     def.user = loop;
     def.guard = loop->guard ? loop->guard : &open;
     loop->has_begun = 0;
-    loop->observer.size = sizeof loop->observer;
-    int is_run = device && make_room(loop, ticks) && dpt_loop_open(device, &def, &loop->running) == DPT_OK;
-    if (is_run && loop->passivity)
-        is_run = dpt_passivity_init(&loop->observer, loop->passivity) == DPT_OK;
+    scene_passivity_begin(&loop->observer, loop->passivity);
+    const int is_run = device && make_room(loop, ticks) && dpt_loop_open(device, &def, &loop->running) == DPT_OK;
     if (is_run)
         dpt_loop_run(loop->running, NULL);
     dpt_loop_close(loop->running);
@@ -478,7 +473,5 @@ double hand_min(double a, double b)
 
 dpt_passivity_info hand_loop_account(const struct hand_loop *loop)
 {
-    dpt_passivity_info info = { .size = sizeof info };
-    dpt_passivity_get_info(&loop->observer, &info);
-    return info;
+    return scene_passivity_info(&loop->observer);
 }

@@ -21,6 +21,8 @@
 #include "lab/hand_place.h"
 #include "lab/lab.h"
 #include "lab/tissue.h"
+#include "scene/scene_passivity.h"
+#include "scene/scene_stage.h"
 
 enum { HAND_AXES = 6 };
 
@@ -73,16 +75,14 @@ struct hand_loop {
     void (*move)(struct hand_loop *loop, double time);
 
     /* Made. */
-    void *block;
-    dpt_world *world;
+    struct scene_stage stage; /* its tool is held */
     dpt_body body;
-    dpt_tool held;
     double origin[3], axes[4]; /* of the hand's coordinates in the scene; unit quaternion */
     dpt_pose body_pose;        /* while `move` moves it */
     double first[HAND_AXES];   /* the law's wrench at zero, at the hand */
     double before[HAND_AXES];  /* where the linear spring was */
     int has_begun;
-    dpt_passivity observer;
+    struct scene_passivity observer;
     dpt_loop *running;
     struct hand_moment *track;
     size_t count, room;

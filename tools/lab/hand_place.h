@@ -5,7 +5,7 @@
 
 #include "dynpoint/compile.h"
 #include "dynpoint/mesh.h"
-#include "host/shape.h"
+#include "scene/shape.h"
 
 struct hand_mesh {
     struct shape shape;

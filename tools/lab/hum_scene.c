@@ -5,7 +5,7 @@
 
 #include "base/quaternion.h"
 #include "cli/command_options.h"
-#include "host/scene_list.h"
+#include "scene/scene_list.h"
 
 /* m: of the surface of a tool above what it comes down on. */
 #define ABOVE 0.002

@@ -3,7 +3,7 @@
 #ifndef DPT_TOOLS_HUM_SCENE_H
 #define DPT_TOOLS_HUM_SCENE_H
 
-#include "host/scene_bodies.h"
+#include "scene/scene_bodies.h"
 
 struct hum_scene {
     struct scene_bodies bodies;

@@ -72,15 +72,15 @@ static dpt_result add_bodies(struct hum_trial *trial)
     struct scene_bodies *bodies = &trial->scene->bodies;
     dpt_body_settings settings = { .size = sizeof settings };
     bodies->body[0].integrator = trial->integrator;
-    dpt_result result = scene_bodies_add(bodies, trial->world, &options);
+    dpt_result result = scene_stage_add_bodies(&trial->stage, bodies, &options, 0.0);
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++) {
-        dpt_body_get_settings(trial->world, bodies->body[i].id, &settings);
+        dpt_body_get_settings(trial->stage.world, bodies->body[i].id, &settings);
         settings.unfelt = i > 0 && !trial->is_usual;
         if (i == 0 && trial->static_friction > 0.0) {
             settings.static_friction = trial->static_friction;
             settings.kinetic_friction = trial->kinetic_friction;
         }
-        result = dpt_body_set_settings(trial->world, bodies->body[i].id, &settings);
+        result = dpt_body_set_settings(trial->stage.world, bodies->body[i].id, &settings);
     }
     return result;
 }
@@ -98,12 +98,12 @@ static dpt_result add_tool(struct hum_trial *trial)
     segment.a[2] = is_held_in_middle ? -half * sine : 0.0;
     segment.b[1] = segment.a[1] + 2.0 * half * cosine;
     segment.b[2] = segment.a[2] + 2.0 * half * sine;
-    dpt_result result = dpt_tool_add(trial->world, &segment, 1, &trial->tool);
+    dpt_result result = scene_stage_add_tool(&trial->stage, &segment, 1, NULL, 0);
     if (result == DPT_OK)
-        result = dpt_tool_get_settings(trial->world, trial->tool, &settings);
+        result = dpt_tool_get_settings(trial->stage.world, trial->stage.tool, &settings);
     settings.stiffness = trial->stiffness;
     settings.lock_rotation = !trial->turns;
-    return result == DPT_OK ? dpt_tool_set_settings(trial->world, trial->tool, &settings) : result;
+    return result == DPT_OK ? dpt_tool_set_settings(trial->stage.world, trial->stage.tool, &settings) : result;
 }
 
 /* Returns 0 if memory ran out. */
@@ -117,11 +117,9 @@ static int open_trial(struct hum_trial *trial)
     def.max_contacts = CONTACTS;
     def.max_bodies = bodies->count;
     def.max_tools = def.max_segments = 1;
-    trial->block = malloc(dpt_world_bytes(&def));
     trial->tick = malloc(ROOM * sizeof *trial->tick);
-    if (!trial->block || !trial->tick ||
-        dpt_world_create(trial->block, dpt_world_bytes(&def), &def, &trial->world) != DPT_OK ||
-        add_bodies(trial) != DPT_OK || add_tool(trial) != DPT_OK)
+    if (!trial->tick || scene_stage_open(&trial->stage, &def) != DPT_OK || add_bodies(trial) != DPT_OK ||
+        add_tool(trial) != DPT_OK)
         return 0;
     trial->is_refused =
         bodies->body[0].springs &&
@@ -137,26 +135,27 @@ static double feel(struct hum_trial *trial, double down, double across, int is_f
     dpt_pose pose = DPT_POSE_IDENTITY, before;
     dpt_force_info info = { .size = sizeof info };
     struct hum_tick *tick = &trial->tick[trial->count];
-    dpt_tool_get_pose(trial->world, trial->tool, &before);
+    dpt_tool_get_pose(trial->stage.world, trial->stage.tool, &before);
     vec3_store(vec3_of(scene->start), pose.position);
     pose.position[0] += 0.8660254037844386 * across;
     pose.position[1] += begin - down;
     pose.position[2] += 0.5 * across;
     if (is_first)
         before = pose;
-    dpt_result result = is_first ? dpt_tool_teleport(trial->world, trial->tool, &pose)
-                                 : dpt_tool_set_pose(trial->world, trial->tool, &pose);
-    if (result == DPT_OK)
-        result = dpt_world_step(trial->world, HUM_TICK, NULL);
+    dpt_result result = is_first ? dpt_tool_teleport(trial->stage.world, trial->stage.tool, &pose)
+                                 : dpt_tool_set_pose(trial->stage.world, trial->stage.tool, &pose);
     scene_bodies_begin_tick(&trial->scene->bodies, trial->count);
     if (result == DPT_OK)
-        result = scene_bodies_step(&trial->scene->bodies, trial->world, HUM_TICK);
+        result = scene_stage_step_world(&trial->stage, HUM_TICK, NULL);
     if (result == DPT_OK)
-        result = dpt_tool_get_force_info(trial->world, trial->tool, &info);
+        result = scene_stage_step_soft(&trial->stage, HUM_TICK);
+    if (result == DPT_OK)
+        result = dpt_tool_get_force_info(trial->stage.world, trial->stage.tool, &info);
     trial->has_failed |= result != DPT_OK || trial->scene->bodies.is_held || trial->count + 1 == ROOM;
     memcpy(tick->force, info.wrench.force, sizeof tick->force);
     tick->motion = length(sub(vec3_of(pose.position), vec3_of(before.position)));
     tick->flags = info.flags;
+    tick->sticking = info.sticking;
     tick->slipping = info.slipping;
     trial->count += !trial->has_failed;
     return length(vec3_of(tick->force));
@@ -201,9 +200,8 @@ int hum_trial_run(struct hum_trial *trial)
 
 void hum_trial_close(struct hum_trial *trial)
 {
-    free(trial->block);
+    scene_stage_close(&trial->stage);
     free(trial->tick);
-    trial->block = NULL;
     trial->tick = NULL;
     scene_bodies_leave(&trial->scene->bodies);
 }

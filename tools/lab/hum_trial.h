@@ -21,14 +21,15 @@
 #define DPT_TOOLS_HUM_TRIAL_H
 
 #include "lab/hum_scene.h"
+#include "scene/scene_stage.h"
 
 enum hum_hand { HUM_STILL, HUM_PRESS, HUM_WIPE };
 
 struct hum_tick {
-    double force[3]; /* N */
-    double motion;   /* m: of the device since the tick before */
-    uint32_t flags;  /* DPT_FORCE_FLAG_... */
-    uint32_t slipping;
+    double force[3];             /* N */
+    double motion;               /* m: of the device since the tick before */
+    uint32_t flags;              /* DPT_FORCE_FLAG_... */
+    uint32_t sticking, slipping; /* touches with friction */
 };
 
 struct hum_trial {
@@ -51,9 +52,7 @@ struct hum_trial {
     int is_refused; /* the integrator has no stable step of 1 ms */
     int has_failed; /* it exploded, or there was never a force */
     double rise;    /* m: half of what the tool's ends differ in height */
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
+    struct scene_stage stage;
 };
 
 /* Returns 0 if memory ran out. hum_trial_close is due in any case. */

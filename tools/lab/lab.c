@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/shape.h"
+#include "scene/shape.h"
 #include "shape/mesh_size.h"
 
 const char *lab_method_name(int method)

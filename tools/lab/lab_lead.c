@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/vec3.h"
-#include "host/force_options.h"
+#include "scene/force_options.h"
 #include "shape/mesh_size.h"
 
 /* Where the wrench is at most K times this share of the radius, |dW| is bounded by the motion alone. */
@@ -25,11 +25,11 @@ static int add_bodies(struct lab_lead *lead, const struct lab_lead_def *def)
         dpt_mesh_get_info(def->meshes[i], &info);
         lead->meshes[i] = def->meshes[i];
         lead->slack = fmax(lead->slack, 2e-6 * box_diagonal(&info));
-        if (dpt_body_add(lead->lead.world, def->meshes[i], &pose, &body) != DPT_OK ||
-            dpt_body_get_settings(lead->lead.world, body, &settings) != DPT_OK)
+        if (dpt_body_add(lead->lead.stage.world, def->meshes[i], &pose, &body) != DPT_OK ||
+            dpt_body_get_settings(lead->lead.stage.world, body, &settings) != DPT_OK)
             return 0;
         settings.side_limit = def->side_limit;
-        if (dpt_body_set_settings(lead->lead.world, body, &settings) != DPT_OK)
+        if (dpt_body_set_settings(lead->lead.stage.world, body, &settings) != DPT_OK)
             return 0;
     }
     return 1;
@@ -47,8 +47,7 @@ static int add_tool(struct lab_lead *lead, uint32_t pieces, int lock_rotation)
         segments[i].b[0] = half * (2.0 * (i + 1) / pieces - 1.0);
         segments[i].radius = lead->def.radius;
     }
-    return dpt_tool_add(lead->lead.world, segments, pieces, &lead->lead.tool) == DPT_OK &&
-           force_options_set_tool(&force, lead->lead.world, lead->lead.tool, (uint32_t)lock_rotation) == DPT_OK;
+    return scene_stage_add_tool(&lead->lead.stage, segments, pieces, &force, (uint32_t)lock_rotation) == DPT_OK;
 }
 
 int lab_lead_open(struct lab *lab, struct lab_lead *lead, const struct lab_lead_def *def)
@@ -64,7 +63,6 @@ int lab_lead_open(struct lab *lab, struct lab_lead *lead, const struct lab_lead_
     world.max_tools = 1;
     world.max_segments = LAB_PIECES_MAX;
     world.budget = def->budget;
-    const size_t bytes = dpt_world_bytes(&world);
     *lead = (struct lab_lead){ .def = { .law = laws[def->method],
                                         .stiffness = LAB_STIFFNESS,
                                         .length = is_ball ? 0.0 : length,
@@ -75,9 +73,8 @@ int lab_lead_open(struct lab *lab, struct lab_lead *lead, const struct lab_lead_
     lead->lead.rho = lead->def.length / sqrt(12.0);
     if (def->middle)
         memcpy(lead->middle, def->middle, sizeof lead->middle);
-    lead->lead.block = malloc(bytes);
-    if (lead->lead.block && dpt_world_create(lead->lead.block, bytes, &world, &lead->lead.world) == DPT_OK &&
-        add_bodies(lead, def) && add_tool(lead, pieces, def->lock_rotation))
+    if (scene_stage_open(&lead->lead.stage, &world) == DPT_OK && add_bodies(lead, def) &&
+        add_tool(lead, pieces, def->lock_rotation))
         return 1;
     lab->is_out_of_memory = 1;
     return 0;
@@ -85,7 +82,7 @@ int lab_lead_open(struct lab *lab, struct lab_lead *lead, const struct lab_lead_
 
 void lab_lead_close(struct lab_lead *lead)
 {
-    free(lead->lead.block);
+    scene_stage_close(&lead->lead.stage);
 }
 
 void lab_lead_aim(struct lab_lead *lead, const double *x, const double *axis)
@@ -114,18 +111,20 @@ static void take_step(struct lab_lead *lab)
     struct force_lead *lead = &lab->lead;
     dpt_step step = { .size = sizeof step };
     lead->last = lead->force;
-    dpt_tool_set_pose(lead->world, lead->tool, &lead->device);
-    dpt_world_step(lead->world, LEAD_DT, &step);
-    dpt_tool_get_force_info(lead->world, lead->tool, &lead->force);
+    dpt_tool_set_pose(lead->stage.world, lead->stage.tool, &lead->device);
+    dpt_world_step(lead->stage.world, LEAD_DT, &step);
+    dpt_tool_get_force_info(lead->stage.world, lead->stage.tool, &lead->force);
+    force_lead_note_fold(lead);
     lab->work = step.work;
 }
 
 void lab_lead_start(struct lab_lead *lead)
 {
-    dpt_tool_teleport(lead->lead.world, lead->lead.tool, &lead->lead.device);
+    dpt_tool_teleport(lead->lead.stage.world, lead->lead.stage.tool, &lead->lead.device);
     lead->lead.before = lead->lead.device;
     take_step(lead);
     take_step(lead);
+    lead->lead.is_folding = 0;
     lead->tally = (struct lab_tally){ .gap_min = HUGE_VAL };
 }
 
@@ -133,7 +132,7 @@ static double proxy_gap(struct lab_lead *lead)
 {
     double min = HUGE_VAL;
     dpt_pose proxy;
-    dpt_tool_get_proxy(lead->lead.world, lead->lead.tool, &proxy);
+    dpt_tool_get_proxy(lead->lead.stage.world, lead->lead.stage.tool, &proxy);
     for (int k = 0; k < 3; k++)
         proxy.position[k] -= lead->middle[k];
     for (int i = 0; i < LAB_BODIES && lead->meshes[i]; i++) {
@@ -185,17 +184,16 @@ void lab_lead_step(struct lab_lead *lead)
     struct lab_tally *tally = &lead->tally;
     const dpt_force_info *now = &lead->lead.force;
     take_step(lead);
-    const int is_fold = (now->flags & DPT_FORCE_FLAG_FOLD) != 0;
     const double force = vec3_length(now->wrench.force), torque = vec3_length(now->wrench.torque);
     tally->ticks++;
     tally->acting += now->reason == DPT_FORCE_ACTS;
     tally->unknown += now->reason == DPT_FORCE_UNDECIDED;
-    tally->folds += (uint64_t)is_fold;
+    tally->folds += (now->flags & DPT_FORCE_FLAG_FOLD) != 0;
     tally->replaced += (now->flags & DPT_FORCE_FLAG_REPLACED) != 0;
     tally->not_finite += !isfinite(force) || !isfinite(torque);
     tally->largest = fmax(tally->largest, force);
     tally->largest_torque = fmax(tally->largest_torque, torque);
-    const double angle = is_fold ? 0.0 : force_lead_turned(&lead->lead, tally->largest);
+    const double angle = lead->lead.is_folding ? 0.0 : force_lead_turned(&lead->lead, tally->largest);
     tally->turning += angle;
     tally->turns += angle > 30.0 * LAB_DEGREE;
     tally->reversals += angle > 90.0 * LAB_DEGREE;
@@ -253,7 +251,7 @@ void lab_tally_note(struct lab *lab, int method, const struct lab_tally *tally)
     const char *name = lab_method_name(method);
     lab_at_most(lab, name, "ticks that turn the force by over 30 degrees, folds apart",
                 lab_per_cent(tally->turns, tally->acting), "%", 0.0);
-    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", tally->share, "", LAB_SHARE_MAX);
+    lab_at_most(lab, name, "largest |dW| in a tick, of K (3 |motion| + 1 mm)", tally->share, "", LEAD_SHARE_MAX);
     lab_note(lab, name, "largest change of force in a tick", tally->jump, "N");
     if (!lab_has_proxy(method))
         return;

@@ -10,12 +10,6 @@
 #define LAB_LENGTH    0.1   /* m, unless a case says otherwise */
 #define LAB_RADIUS    0.002
 
-/*
- * The limit of lab_tally.share. A proxy that moves by its cap meets the bound exactly; both sides are differences of poses,
- * and rounding must not decide.
- */
-#define LAB_SHARE_MAX (1.0 + 1e-9)
-
 /* rad */
 #define LAB_DEGREE 0.017453292519943295
 

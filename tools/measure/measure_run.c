@@ -17,7 +17,7 @@ static dpt_result add_body(struct measure_brute *brute, const struct scene_body 
     dpt_deformable_def def;
     dpt_mesh_info info = { .size = sizeof info };
     if (!body->springs)
-        return dpt_body_add(brute->world, body->mesh, &body->pose, &brute->id[i]);
+        return dpt_body_add(brute->stage.world, body->mesh, &body->pose, &brute->id[i]);
     dpt_deformable_def_init(&def);
     dpt_mesh_get_info(body->mesh, &info);
     def.mesh = body->mesh;
@@ -30,7 +30,7 @@ static dpt_result add_body(struct measure_brute *brute, const struct scene_body 
     brute->body_block[i] = malloc(bytes);
     if (!brute->body_block[i])
         return DPT_E_MEMORY;
-    return dpt_body_add_deformable(brute->world, brute->body_block[i], bytes, &def, &brute->id[i]);
+    return dpt_body_add_deformable(brute->stage.world, brute->body_block[i], bytes, &def, &brute->id[i]);
 }
 
 dpt_result measure_brute_open(struct measure_brute *brute, const struct scene_bodies *bodies,
@@ -49,19 +49,15 @@ dpt_result measure_brute_open(struct measure_brute *brute, const struct scene_bo
     def.max_tools = 1;
     def.max_segments = brute->segments;
     def.max_tips = 0;
-    const size_t bytes = dpt_world_bytes(&def);
-    brute->block = malloc(bytes);
-    if (!brute->block)
-        return DPT_E_MEMORY;
-    DPT_TRY(dpt_world_create(brute->block, bytes, &def, &brute->world));
+    DPT_TRY(scene_stage_open(&brute->stage, &def));
     for (uint32_t i = 0; i < bodies->count; i++)
         DPT_TRY(add_body(brute, &bodies->body[i], i));
-    return dpt_tool_add(brute->world, tool->segments, brute->segments, &brute->tool);
+    return scene_stage_add_tool(&brute->stage, tool->segments, brute->segments, NULL, 0);
 }
 
 void measure_brute_close(struct measure_brute *brute)
 {
-    free(brute->block);
+    scene_stage_close(&brute->stage);
     for (uint32_t i = 0; i < brute->body_count; i++)
         free(brute->body_block[i]);
 }
@@ -72,9 +68,9 @@ static dpt_result search(struct measure_brute *brute)
     dpt_step step = { .size = sizeof step };
     brute->ns = UINT32_MAX;
     for (uint32_t i = 0; i < brute->searches; i++) {
-        dpt_world_reset(brute->world);
+        dpt_world_reset(brute->stage.world);
         const uint64_t begin = clock_now();
-        DPT_TRY(dpt_world_step(brute->world, 1e-3, &step));
+        DPT_TRY(dpt_world_step(brute->stage.world, 1e-3, &step));
         const uint64_t ns = clock_now() - begin;
         brute->ns = ns < brute->ns ? (uint32_t)ns : brute->ns;
         brute->work = step.work;
@@ -102,9 +98,9 @@ dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene
         if (!brute->body_block[i])
             continue;
         DPT_TRY(dpt_body_get_vertices(world, bodies->body[i].id, &vertices, &count));
-        DPT_TRY(dpt_body_set_vertices(brute->world, brute->id[i], 0, count, vertices, -1.0));
+        DPT_TRY(dpt_body_set_vertices(brute->stage.world, brute->id[i], 0, count, vertices, -1.0));
     }
-    DPT_TRY(dpt_tool_set_segments(brute->world, brute->tool, tool->segments, brute->segments));
+    DPT_TRY(dpt_tool_set_segments(brute->stage.world, brute->stage.tool, tool->segments, brute->segments));
     DPT_TRY(search(brute));
     dpt_hit nearest = DPT_HIT_INIT;
     dpt_tool_get_hit(world, id, &nearest);
@@ -112,7 +108,7 @@ dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene
     for (uint32_t i = 0; i < brute->segments; i++) {
         dpt_hit hit = DPT_HIT_INIT, true_hit = DPT_HIT_INIT;
         dpt_tool_get_segment_hit(world, id, i, &hit);
-        DPT_TRY(dpt_tool_get_segment_hit(brute->world, brute->tool, i, &true_hit));
+        DPT_TRY(dpt_tool_get_segment_hit(brute->stage.world, brute->stage.tool, i, &true_hit));
         *error = fmax(*error, off_by(&hit, nearest.segment, true_hit.distance));
     }
     return DPT_OK;
@@ -124,15 +120,13 @@ dpt_result measure_brute_compare(struct measure_brute *brute, const struct scene
 /* Pairs of a segment and a triangle that brute force looks at in about a second. */
 #define CHECKED_PAIRS 1.2e7
 
-/* A world with the scene's bodies and its tool. */
-struct stage {
-    void *block;
-    dpt_world *world;
-    dpt_tool id;
+/* A world with the scene's bodies and its tool, and another one by which it is checked. */
+struct measured {
+    struct scene_stage stage;
     struct scene_bodies bodies; /* the scene's, with what the setting changes; memory in the world is their own */
-    struct scene_physics *physics;
     struct measure_tool tool;
     struct measure_brute brute;
+    int by_processor; /* as in measure_effort */
 };
 
 static int has_soft(const struct scene_bodies *bodies)
@@ -143,163 +137,166 @@ static int has_soft(const struct scene_bodies *bodies)
     return is_soft;
 }
 
-static dpt_result add_tool(struct stage *stage, const struct scene *scene, const struct force_options *force,
-                           uint32_t lock_rotation)
-{
-    DPT_TRY(dpt_tool_add(stage->world, scene->segments, scene->segment_count, &stage->id));
-    DPT_TRY(force_options_set_tool(force, stage->world, stage->id, lock_rotation));
-    return scene->tips.count ? scene_tips_add(&scene->tips, stage->world, stage->id) : DPT_OK;
-}
-
 /* Physics apart from the ticks: before the bodies are added. Returns 0, or 2 after a message. */
-static int choose_physics(struct stage *stage, const struct measure_run *run, const struct scene *scene)
+static int choose_physics(struct measured *measured, const struct measure_run *run, const struct scene *scene)
 {
     const double rate = run->setting.physics;
     dpt_host_error error = { .size = sizeof error };
-    if (!(rate > 0.0) || !has_soft(&stage->bodies))
+    if (!(rate > 0.0) || !has_soft(&measured->bodies))
         return 0;
-    dpt_result result = scene_physics_choose(&stage->bodies, "the scene", rate, &error);
+    dpt_result result = scene_physics_choose(&measured->bodies, "the scene", "--physics", rate, &error);
     if (result == DPT_OK)
-        result = scene_physics_check_loop(rate, 1.0 / run->setting.dt, &error);
+        result = scene_physics_check_loop("--physics", rate, 1.0 / run->setting.dt, &error);
     return complain_of(scene->command, result, &error);
 }
 
-/* Create the world in the stage's block, with the scene's bodies and its tool. */
-static dpt_result fill_world(struct stage *stage, const struct measure_run *run, const struct scene *scene,
+/* Create the world, with the scene's bodies and its tool. */
+static dpt_result fill_world(struct measured *measured, const struct measure_run *run, const struct scene *scene,
                              const dpt_world_def *def)
 {
+    struct scene_stage *stage = &measured->stage;
     const struct measure_setting *setting = &run->setting;
     const struct force_options force = { .law = setting->world.law,
                                          .stiffness = setting->world.stiffness,
                                          .friction = setting->friction,
                                          .damping = setting->damping };
-    DPT_TRY(dpt_world_create(stage->block, run->world_bytes, def, &stage->world));
-    DPT_TRY(scene_bodies_add(&stage->bodies, stage->world, &force));
-    if (setting->physics > 0.0 && has_soft(&stage->bodies))
-        DPT_TRY(scene_physics_open(&stage->physics, &stage->bodies, setting->physics));
-    return add_tool(stage, scene, &force, setting->lock_rotation);
+    const double physics = has_soft(&measured->bodies) ? setting->physics : 0.0;
+    DPT_TRY(scene_stage_open(stage, def));
+    DPT_TRY(scene_stage_add_bodies(stage, &measured->bodies, &force, physics));
+    DPT_TRY(scene_stage_add_tool(stage, scene->segments, scene->segment_count, &force, setting->lock_rotation));
+    return scene->tips.count ? scene_tips_add(&scene->tips, stage->world, stage->tool) : DPT_OK;
 }
 
 /* Returns 0, or 2 after a message. */
-static int stage_open(struct stage *stage, struct measure_run *run, const struct scene *scene)
+static int measured_open(struct measured *measured, struct measure_run *run, const struct scene *scene)
 {
     const struct measure_setting *setting = &run->setting;
     const dpt_baseline_def baseline = { .size = sizeof baseline,
                                         .parts = setting->parts,
                                         .one_step = setting->one_step };
     dpt_world_def def = setting->world;
-    memset(stage, 0, sizeof *stage);
-    stage->bodies = scene->bodies;
-    measure_setting_change(setting, &stage->bodies);
-    measure_tool_begin(&stage->tool, scene);
+    memset(measured, 0, sizeof *measured);
+    measured->bodies = scene->bodies;
+    measure_setting_change(setting, &measured->bodies);
+    measure_tool_begin(&measured->tool, scene);
     def.max_bodies = scene->bodies.count;
     def.max_tools = 1;
     def.max_segments = scene->segment_count;
     def.max_tips = scene->tips.count;
     def.baseline = &baseline;
-    if (choose_physics(stage, run, scene))
+    if (choose_physics(measured, run, scene))
         return 2;
-    run->world_bytes = dpt_world_bytes(&def);
-    stage->block = malloc(run->world_bytes ? run->world_bytes : 1);
-    const dpt_result result = stage->block ? fill_world(stage, run, scene, &def) : DPT_E_MEMORY;
+    const dpt_result result = fill_world(measured, run, scene, &def);
+    run->world_bytes = measured->stage.bytes;
     return result == DPT_OK ? 0 : complain(scene->command, "%s", dpt_result_text(result));
 }
 
-static void stage_close(struct stage *stage)
+static void measured_close(struct measured *measured)
 {
-    measure_brute_close(&stage->brute);
-    scene_physics_close(stage->physics);
-    free(stage->block);
-    scene_bodies_leave(&stage->bodies);
+    measure_brute_close(&measured->brute);
+    scene_stage_close(&measured->stage);
+    scene_bodies_leave(&measured->bodies);
 }
 
-static uint32_t ns_since(uint64_t begin)
+/* By the clock, and of the processor where that is asked for. */
+struct moment {
+    uint64_t clock, thread;
+};
+
+static struct moment moment_now(const struct measured *measured)
 {
-    const uint64_t ns = clock_now() - begin;
+    const uint64_t thread = measured->by_processor ? clock_thread() : 0;
+    return (struct moment){ .clock = clock_now(), .thread = thread };
+}
+
+/* ns: of a tick that nothing interrupts the clock's time is the exact one, as asking for the processor's takes some itself. */
+static uint32_t ns_since(const struct measured *measured, struct moment begin)
+{
+    const uint64_t clock = clock_now() - begin.clock;
+    const uint64_t thread = measured->by_processor ? clock_thread() - begin.thread : clock;
+    const uint64_t ns = thread < clock ? thread : clock;
     return ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
 }
 
-static void read_answers(const struct stage *stage, const dpt_step *step, struct measure_tick *tick)
+static void read_answers(const struct measured *measured, const dpt_step *step, struct measure_tick *tick)
 {
     dpt_hit hit = DPT_HIT_INIT;
-    dpt_tool_get_hit(stage->world, stage->id, &hit);
+    dpt_tool_get_hit(measured->stage.world, measured->stage.tool, &hit);
     tick->distance = hit.distance;
     tick->gap = hit.flags & DPT_HIT_FLAG_GAP ? hit.gap : NAN;
     tick->work = step->work;
     tick->status = (uint8_t)hit.status;
     tick->contact = (uint8_t)hit.contact;
     tick->hit_flags = (uint8_t)hit.flags;
-    tick->is_jump = (uint8_t)stage->tool.is_jump;
+    tick->is_jump = (uint8_t)measured->tool.is_jump;
     tick->contacts = (uint16_t)(step->contacts < UINT16_MAX ? step->contacts : UINT16_MAX);
 }
 
 /* What gives way has stepped: what is solved together with it is felt from then on. */
-static void read_force(const struct stage *stage, struct measure_tick *tick)
+static void read_force(const struct measured *measured, struct measure_tick *tick)
 {
     dpt_force_info force = { .size = sizeof force };
-    dpt_tool_get_force_info(stage->world, stage->id, &force);
-    measure_tool_weigh(&stage->tool, &force.wrench, tick->wrench);
+    dpt_tool_get_force_info(measured->stage.world, measured->stage.tool, &force);
+    measure_tool_weigh(&measured->tool, &force.wrench, tick->wrench);
     tick->lag = force.lag;
     tick->force_reason = (uint8_t)force.reason;
     tick->force_flags = (uint8_t)force.flags;
 }
 
-static dpt_result check(struct stage *stage, struct measure_run *run, size_t row)
+static dpt_result check(struct measured *measured, struct measure_run *run, size_t row)
 {
     struct measure_check *check = &run->check;
     double error;
     if (!check->every || row % check->every)
         return DPT_OK;
     if (!row)
-        DPT_TRY(measure_brute_open(&stage->brute, &stage->bodies, &stage->tool, run->check.searches));
-    DPT_TRY(measure_brute_compare(&stage->brute, &stage->bodies, &stage->tool, stage->world, stage->id, &error));
-    check->ns[check->ticks++] = stage->brute.ns;
-    check->work = stage->brute.work > check->work ? stage->brute.work : check->work;
+        DPT_TRY(measure_brute_open(&measured->brute, &measured->bodies, &measured->tool, run->check.searches));
+    DPT_TRY(measure_brute_compare(&measured->brute, &measured->bodies, &measured->tool, measured->stage.world,
+                                  measured->stage.tool, &error));
+    check->ns[check->ticks++] = measured->brute.ns;
+    check->work = measured->brute.work > check->work ? measured->brute.work : check->work;
     check->wrong += error <= check->tolerance ? 0 : 1;
     check->error = fmax(check->error, error);
     return DPT_OK;
 }
 
 /* A step of the world and of what gives way, and what both took. */
-static dpt_result step(struct stage *stage, struct measure_run *run, size_t row, int is_first)
+static dpt_result step(struct measured *measured, struct measure_run *run, size_t row, int is_first)
 {
     const double dt = run->setting.dt;
     struct measure_tick *tick = &run->tick[row];
     dpt_step told = { .size = sizeof told };
-    uint64_t begin = clock_now();
-    scene_bodies_begin_tick(&stage->bodies, row);
-    if (stage->physics)
-        scene_physics_begin_tick(stage->physics, stage->world);
-    DPT_TRY(dpt_world_step(stage->world, dt, &told));
-    const uint32_t ns = ns_since(begin);
+    struct moment begin = moment_now(measured);
+    scene_bodies_begin_tick(&measured->bodies, row);
+    DPT_TRY(scene_stage_step_world(&measured->stage, dt, &told));
+    const uint32_t ns = ns_since(measured, begin);
     if (is_first) {
-        read_answers(stage, &told, tick);
-        DPT_TRY(check(stage, run, row));
+        read_answers(measured, &told, tick);
+        DPT_TRY(check(measured, run, row));
     }
-    begin = clock_now();
-    DPT_TRY(stage->physics ? scene_physics_end_tick(stage->physics, stage->world, dt)
-                           : scene_bodies_step(&stage->bodies, stage->world, dt));
-    for (uint32_t i = 0; stage->bodies.is_held && i < stage->bodies.count; i++)
-        DPT_TRY(stage->bodies.body[i].held_why);
-    const uint32_t soft_ns = stage->bodies.steps || stage->physics ? ns_since(begin) : 0;
+    begin = moment_now(measured);
+    DPT_TRY(scene_stage_step_soft(&measured->stage, dt));
+    for (uint32_t i = 0; measured->bodies.is_held && i < measured->bodies.count; i++)
+        DPT_TRY(measured->bodies.body[i].held_why);
+    const uint32_t soft_ns = measured->bodies.steps || measured->stage.physics ? ns_since(measured, begin) : 0;
     if (is_first)
-        read_force(stage, tick);
+        read_force(measured, tick);
     tick->ns = is_first || ns < tick->ns ? ns : tick->ns;
     tick->soft_ns = is_first || soft_ns < tick->soft_ns ? soft_ns : tick->soft_ns;
     return DPT_OK;
 }
 
-static void run_pass(struct stage *stage, struct measure_run *run, const struct csv_table *trace,
+static void run_pass(struct measured *measured, struct measure_run *run, const struct csv_table *trace,
                      const struct measure_effort *effort, uint32_t pass)
 {
     for (size_t row = 0; row < run->ticks; row++) {
         const double done = ((double)pass + (double)row / (double)run->ticks) / effort->passes;
         if (effort->meter && row % 64 == 0)
             meter_show(effort->meter, effort->name, effort->begin + done * (effort->end - effort->begin));
-        measure_tool_lead(&stage->tool, trace, row);
-        dpt_result result = measure_tool_move(&stage->tool, stage->world, stage->id);
+        measure_tool_lead(&measured->tool, trace, row);
+        dpt_result result = measure_tool_move(&measured->tool, measured->stage.world, measured->stage.tool);
         if (result == DPT_OK)
-            result = step(stage, run, row, pass == 0);
+            result = step(measured, run, row, pass == 0);
         if (result == DPT_OK)
             continue;
         run->failure = result;
@@ -309,12 +306,12 @@ static void run_pass(struct stage *stage, struct measure_run *run, const struct 
     }
 }
 
-static void note_memory(const struct stage *stage, struct measure_run *run)
+static void note_memory(const struct measured *measured, struct measure_run *run)
 {
     dpt_world_info used = { .size = sizeof used };
     run->body_bytes = run->mesh_bytes = 0;
-    for (uint32_t i = 0; i < stage->bodies.count; i++) {
-        const struct scene_body *body = &stage->bodies.body[i];
+    for (uint32_t i = 0; i < measured->bodies.count; i++) {
+        const struct scene_body *body = &measured->bodies.body[i];
         dpt_mesh_info info = { .size = sizeof info };
         dpt_mesh_get_info(body->mesh, &info);
         run->mesh_bytes += info.bytes;
@@ -322,7 +319,7 @@ static void note_memory(const struct stage *stage, struct measure_run *run)
         run->diagonal = fmax(run->diagonal, box_diagonal(&info));
     }
     run->check.tolerance = TOLERANCE * run->diagonal;
-    dpt_world_get_info(stage->world, &used);
+    dpt_world_get_info(measured->stage.world, &used);
     run->kernel = used.kernel;
 }
 
@@ -339,25 +336,31 @@ int measure_run(struct measure_run *run, const struct scene *scene, const struct
     run->usage.size = sizeof run->usage;
     if (fault)
         return complain(scene->command, "%s", fault);
-    struct stage *stage = calloc(1, sizeof *stage);
+    struct measured *measured = calloc(1, sizeof *measured);
     run->tick = calloc(trace->rows, sizeof *run->tick);
     run->ticks = trace->rows;
     if (run->check.every)
         run->check.ns = calloc(trace->rows / run->check.every + 1, sizeof *run->check.ns);
-    const int has_room = stage && run->tick && (run->check.ns || !run->check.every);
+    const int has_room = measured && run->tick && (run->check.ns || !run->check.every);
     int status = has_room ? 0 : complain(scene->command, "memory ran out");
+    uint64_t taken = 0, used = 0; /* by the clock, and of the processor */
     for (uint32_t pass = 0; status == 0 && pass < effort->passes; pass++) {
-        status = stage_open(stage, run, scene);
+        status = measured_open(measured, run, scene);
         if (status == 0) {
-            note_memory(stage, run);
-            run_pass(stage, run, trace, effort, pass);
-            dpt_world_get_info(stage->world, &run->usage);
+            const uint64_t begin = clock_now(), begin_thread = clock_thread();
+            note_memory(measured, run);
+            measured->by_processor = effort->by_processor;
+            run_pass(measured, run, trace, effort, pass);
+            taken += clock_now() - begin;
+            used += clock_thread() - begin_thread;
+            dpt_world_get_info(measured->stage.world, &run->usage);
         }
-        stage_close(stage);
+        measured_close(measured);
         if (run->failure != DPT_OK)
             break;
     }
-    free(stage);
+    run->busy = used ? fmax(1.0, (double)taken / (double)used) : 1.0;
+    free(measured);
     return status;
 }
 

@@ -62,12 +62,14 @@ struct measure_run {
     dpt_world_info usage; /* for capacities */
     uint32_t kernel;      /* DPT_KERNEL_... */
     double diagonal;      /* of the largest mesh's box, m */
+    double busy;          /* how many times as long all passes took by the clock as of the processor's time */
     struct measure_check check;
 };
 
 /* How much to spend on a run. */
 struct measure_effort {
     uint32_t passes;   /* times are the least of so many; at least 1 */
+    int by_processor;  /* 1: the processor's time counts where it is less than the clock's: other programs do not */
     size_t every;      /* check one tick in this many by brute force; 0: none */
     uint32_t searches; /* brute force's times are the least of so many; 0: one */
     /* Progress on a terminal, from `begin` to `end` of all, 0..1, under this name; NULL: none. */
@@ -112,9 +114,7 @@ struct tick_histogram tick_histogram_count(enum tick_histogram_of of, const doub
 
 /* The second world of a measure_run: the same bodies as they lie now, searched triangle by triangle in double. */
 struct measure_brute {
-    void *block;
-    dpt_world *world;
-    dpt_tool tool;
+    struct scene_stage stage;
     uint32_t segments;
     uint32_t body_count;
     uint32_t searches; /* a comparison; the least time counts */

@@ -12,8 +12,9 @@
 #include "base/vec3.h"
 #include "cli/command_options.h"
 #include "dynpoint/kernel.h"
-#include "host/tool_spread.h"
+#include "scene/tool_spread.h"
 #include "shape/trace_hand.h"
+#include "shape/trace_unit.h"
 
 /* Of all tools together: more than any motion needs that a hand can make. */
 enum { CONTACTS_OF_RICHEST = 1024 };
@@ -193,16 +194,21 @@ int measure_trace_make(struct csv_table *trace, const struct scene *scene, const
     return 0;
 }
 
-int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t min)
+int measure_trace_read(struct csv_table *trace, const struct scene *scene, const char *path, size_t min)
 {
+    struct trace_ball balls[DPT_ARM_BODIES_MAX];
     dpt_device_error error = { .size = sizeof error };
     if (csv_table_read(trace, path, &trace_format, &error) != DPT_OK)
-        return complain(command, "%s", error.text);
-    if (trace->rows >= min)
+        return complain(scene->command, "%s", error.text);
+    if (trace->rows >= min) {
+        for (uint32_t i = 0; i < scene->bodies.count; i++)
+            balls[i] = trace_ball_of(scene->bodies.body[i].mesh, &scene->bodies.body[i].pose);
+        trace_note_unit(path, trace, balls, scene->bodies.count);
         return 0;
+    }
     const size_t rows = trace->rows;
     csv_table_free(trace);
-    return complain(command, "%s: it has %zu ticks, and at least %zu are needed", path, rows, min);
+    return complain(scene->command, "%s: it has %zu ticks, and at least %zu are needed", path, rows, min);
 }
 
 #ifdef __clang__

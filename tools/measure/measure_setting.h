@@ -11,7 +11,7 @@
 #include "csv.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/types.h"
-#include "host/scene.h"
+#include "scene/scene.h"
 
 /* A plain value: copy it, and change the copy. */
 struct measure_setting {
@@ -94,8 +94,11 @@ struct measure_hand {
  */
 int measure_trace_make(struct csv_table *trace, const struct scene *scene, const struct measure_hand *hand);
 
-/* Read a trace of at least so many ticks. Returns 0, or 2 after a message, with nothing to free. */
-int measure_trace_read(struct csv_table *trace, const char *command, const char *path, size_t min);
+/*
+ * Read a trace of at least so many ticks, for a scene; a note says if its unit is probably wrong. Returns 0, or 2 after a
+ * message, with nothing to free.
+ */
+int measure_trace_read(struct csv_table *trace, const struct scene *scene, const char *path, size_t min);
 
 /* The machine on which times were measured. They hold for no other one. */
 

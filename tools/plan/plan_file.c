@@ -10,7 +10,7 @@
 #include "cli/command_options.h"
 #include "cli/json_text.h"
 #include "cli/law_name.h"
-#include "host/setting_words.h"
+#include "scene/setting_words.h"
 
 void plan_free(struct plan *plan)
 {
@@ -85,8 +85,9 @@ struct plan_text plan_broken_text(const struct plan_limits *limits, const struct
         snprintf(text, room, "%.0f units at 99.9 %%, at most %.0f", figures->work_p999, limits->work);
         break;
     case PLAN_TIME:
-        snprintf(text, room, "ticks take %.3g ms at 99.9 %%, at most %.3g ms", 1e3 * figures->time_p999,
-                 1e3 * limits->time);
+        snprintf(text, room, "ticks take %.3g ms at 99.9 %%, at most %.3g ms%s", 1e3 * figures->time_p999,
+                 1e3 * limits->time,
+                 plan_was_busy(figures) ? ", and this machine was busy: try again with less beside it" : "");
         break;
     default:
         snprintf(text, room, "nothing is broken");
@@ -115,12 +116,13 @@ void plan_figures_join(struct plan_figures *figures, const struct plan_figures *
     figures->work_p999 = fmax(figures->work_p999, other->work_p999);
     figures->time_median = fmax(figures->time_median, other->time_median);
     figures->time_p999 = fmax(figures->time_p999, other->time_p999);
+    figures->busy = fmax(figures->busy, other->busy);
     figures->bytes = figures->bytes > other->bytes ? figures->bytes : other->bytes;
 }
 
 #ifdef DPT_HAS_JANSSON
 
-#include "host/json_value.h"
+#include "scene/json_value.h"
 
 enum { PLAN_BYTES_MAX = 1 << 20 };
 

@@ -3,9 +3,9 @@
 #ifndef DPT_TOOLS_PLAN_FILE_H
 #define DPT_TOOLS_PLAN_FILE_H
 
-#include "host/file_identity.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
+#include "scene/file_identity.h"
 
 /*
  * What a scene needs: what was asked, the setting that was chosen, what it was measured to do, and what is promised of it
@@ -80,7 +80,14 @@ struct plan_figures {
     uint32_t contacts, strip, work; /* the most in one tick */
     double work_p999, time_median, time_p999; /* units; s of a tick, with what gives way */
     uint64_t work_total, bytes;               /* bytes of the world, and of what gives way */
+    double busy;                              /* measure_run.busy where it was measured; it is in no file */
 };
+
+/* Other programs took so much of the processor that what is left of them may show in the times. */
+static inline int plan_was_busy(const struct plan_figures *figures)
+{
+    return figures->busy > 1.1;
+}
 
 /* What is promised: the limits of each bound. */
 struct plan_limits {

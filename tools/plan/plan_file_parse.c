@@ -5,9 +5,9 @@
 #include <string.h>
 
 #include "cli/law_name.h"
-#include "host/json_value.h"
-#include "host/setting_words.h"
 #include "plan/plan_file.h"
+#include "scene/json_value.h"
+#include "scene/setting_words.h"
 
 /* Numbers that are not negative have this as their largest one. */
 #define HUGE_NUMBER 1e300

@@ -4,7 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "host/setting_words.h"
+#include "scene/setting_words.h"
 
 /* From one budget to the next cheaper one: the square root of a half. */
 #define BUDGET_STEP 0.70710678118654752

@@ -24,6 +24,16 @@ void plan_report_figures(FILE *file, const char *what, const struct plan_figures
             1e6 * figures->time_median, 1e6 * figures->time_p999, figures->bytes);
 }
 
+void plan_report_busy(FILE *file, const struct plan_figures *figures)
+{
+    if (plan_was_busy(figures))
+        fprintf(
+            file,
+            "  this machine was busy: all took %.2f times as long by the clock as of the processor's time, by which "
+            "ticks are judged\n",
+            figures->busy);
+}
+
 static void report_asked(FILE *file, const struct plan *plan, const struct plan_figures *richest)
 {
     fprintf(file, "  asked for: distances within %g mm", 1e3 * plan->asked.error);
@@ -128,6 +138,7 @@ void plan_report(FILE *file, const struct plan *plan, const struct plan_search *
         snprintf(what, sizeof what, "%s %s", plan->better.knob, plan->better.value);
         plan_report_figures(file, what, &plan->better.figures);
     }
+    plan_report_busy(file, &plan->figures);
     if (plan->cheaper.knob[0])
         fprintf(file, "\n  next cheaper: %s %s breaks the bound '%s' (%s)\n", plan->cheaper.knob, plan->cheaper.value,
                 plan_bound_words[plan->cheaper.broken], plan_trace_words[plan->cheaper.trace]);

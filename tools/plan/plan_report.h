@@ -13,6 +13,9 @@ void plan_report(FILE *file, const struct plan *plan, const struct plan_search *
 void plan_report_head(FILE *file);
 void plan_report_figures(FILE *file, const char *what, const struct plan_figures *figures);
 
+/* That the machine was busy when they were measured, if it was. */
+void plan_report_busy(FILE *file, const struct plan_figures *figures);
+
 /* A plan as C, for a program of one's own. */
 
 /* Write the functions that fill in the defs and settings of a scene. The caller checks the file's error flag. */

@@ -226,6 +226,7 @@ static void figures_of(struct plan_figures *figures, const struct judgement *jud
         .time_median = 1e-9 * judgement->whole_ns.median,
         .time_p999 = 1e-9 * judgement->whole_ns.p999,
         .bytes = run->world_bytes + run->body_bytes,
+        .busy = run->busy,
     };
     for (size_t i = 0; i < run->ticks; i++)
         figures->work_total += run->tick[i].work;
@@ -235,7 +236,9 @@ static int run_and_judge(const struct plan_bench *bench, const struct measure_se
                          struct measure_run *run, struct judgement *judgement)
 {
     struct meter meter = { .began = 0 };
-    const struct measure_effort effort = { .passes = passes, .meter = &meter, .name = "a setting", .end = 1.0 };
+    const struct measure_effort effort = {
+        .passes = passes, .by_processor = 1, .meter = &meter, .name = "a setting", .end = 1.0
+    };
     int status = measure_run(run, bench->scene, bench->trace, setting, &effort);
     meter_show(&meter, "", 1.0);
     const struct measure_run *reference = bench->reference.tick ? &bench->reference : run;

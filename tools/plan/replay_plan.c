@@ -57,12 +57,12 @@ static int read_options(int argc, char **argv, struct replay_plan_options *optio
         { .name = "--cheaper", .flag = &options->cheaper },
         { .name = "--json", .flag = &options->json },
     };
-    *options = (struct replay_plan_options){ .seed = UINT64_MAX };
+    *options = (struct replay_plan_options){ .seed = UINT64_MAX, .ticks = UINT64_MAX };
     int status = parse_options(argc, argv, &(struct command_syntax){ defs, sizeof defs / sizeof *defs, help },
                                &options->trace, 1, &operands);
     if (status >= 0)
         return status;
-    const int is_made = options->seed != UINT64_MAX || options->ticks || options->speed != 0.0;
+    const int is_made = options->seed != UINT64_MAX || options->ticks != UINT64_MAX || options->speed != 0.0;
     if (!options->plan)
         return complain("replay", "--plan needs a value");
     if (!operands)
@@ -73,8 +73,10 @@ static int read_options(int argc, char **argv, struct replay_plan_options *optio
         return complain("replay", "--cheaper is measured over the plan's own trace");
     if (!(options->speed >= 0.0 && options->speed <= 1000.0))
         return complain("replay", "--speed must be 0 to 1000");
-    if (options->ticks > 100000000)
-        return complain("replay", "--ticks must be at most 100000000");
+    if (options->ticks != UINT64_MAX && (options->ticks == 0 || options->ticks > 100000000))
+        return complain("replay", "--ticks must be 1 to 100000000");
+    if (options->ticks == UINT64_MAX)
+        options->ticks = 0;
     options->check |= options->check_time;
     return -1;
 }
@@ -87,7 +89,7 @@ static int open_trace(const struct replay_plan_options *options, const struct pl
     const int is_made = options->seed != UINT64_MAX || options->ticks || options->speed != 0.0;
     const char *file = options->trace ? options->trace : is_made ? NULL : motion->file;
     if (file)
-        return measure_trace_read(trace, "replay", file, 2);
+        return measure_trace_read(trace, scene, file, 2);
     return plan_trace_make(trace, scene, options->seed != UINT64_MAX ? options->seed : motion->seed,
                            options->ticks ? options->ticks : motion->ticks, plan->asked.rate, options->speed);
 }
@@ -125,10 +127,11 @@ static void print_json(const struct replay_plan_options *options, const struct v
            ",\"distance_error\":%.17g,\"force_error\":%.17g,\"felt\":%" PRIu64 ",\"near_folds\":%" PRIu64
            ",\"unknown\":%" PRIu64 ",\"contacts\":%" PRIu32 ",\"strip\":%" PRIu32 ",\"work\":%" PRIu32
            ",\"work_p999\":%.17g,\"work_total\":%" PRIu64
-           ",\"time_median\":%.17g,\"time_p999\":%.17g,\"bytes\":%" PRIu64 ",\"speed\":%.17g,\"speed_limit\":%.17g",
+           ",\"time_median\":%.17g,\"time_p999\":%.17g,\"busy\":%.17g,\"bytes\":%" PRIu64
+           ",\"speed\":%.17g,\"speed_limit\":%.17g",
            figures->ticks, figures->failed, figures->distance_error, figures->force_error, figures->felt,
            figures->near_folds, figures->unknown, figures->contacts, figures->strip, figures->work, figures->work_p999,
-           figures->work_total, figures->time_median, figures->time_p999, figures->bytes, verdict->speed,
+           figures->work_total, figures->time_median, figures->time_p999, figures->busy, figures->bytes, verdict->speed,
            verdict->speed_limit);
     if (options->check)
         printf(",\"broken\":\"%s\"", plan_bound_words[verdict->broken]);
@@ -144,6 +147,8 @@ static void print_text(const struct replay_plan_options *options, const struct v
     if (verdict->speed > verdict->speed_limit * (1.0 + 1e-9))
         printf("  the trace moves at up to %.3g m/s: beyond %.3g nothing is promised\n", verdict->speed,
                verdict->speed_limit);
+    if (options->check_time && !verdict->not_measured)
+        plan_report_busy(stdout, &verdict->figures);
     if (verdict->not_measured)
         printf("  time: not measured here, but on %s\n", verdict->not_measured);
     if (options->check && verdict->broken == PLAN_HOLDS)

@@ -145,6 +145,46 @@ double plot_log_axis_next(const struct plot_log_axis *axis, double mark)
     return next <= axis->high * (1.0 + SLACK) ? next : 0.0;
 }
 
+void plot_number(double value, int digits, char text[PLOT_NUMBER_ROOM])
+{
+    const double size = fabs(value);
+    int decimals = digits - 1;
+    if (size < 5e-10) {
+        snprintf(text, PLOT_NUMBER_ROOM, "0");
+        return;
+    }
+    for (double bound = 1.0; size < bound && decimals < 9; bound *= 0.1)
+        decimals++;
+    for (double bound = 10.0; size >= bound && decimals > 0; bound *= 10.0)
+        decimals--;
+    snprintf(text, PLOT_NUMBER_ROOM, "%.*f", decimals, value);
+    if (decimals > 0) { /* 0.5, not 0.500 */
+        char *end = text + strlen(text);
+        while (end[-1] == '0')
+            *--end = '\0';
+        if (end[-1] == '.')
+            end[-1] = '\0';
+    }
+}
+
+void plot_quantity(double value, int digits, const char *unit, char text[PLOT_NUMBER_ROOM])
+{
+    static const char *const prefixes[] = { "", "m", "u", "n", "p", "f", "a" };
+    char number[PLOT_NUMBER_ROOM];
+    double scaled = value;
+    int prefix = 0;
+    while (strcmp(unit, "%") && prefix < 6 && fabs(scaled) < 1.0) {
+        scaled *= 1e3;
+        prefix++;
+    }
+    if (prefix == 6 && fabs(scaled) < 1.0) { /* less than an atto is rounding, and zero */
+        scaled = 0.0;
+        prefix = 0;
+    }
+    plot_number(scaled, digits, number);
+    snprintf(text, PLOT_NUMBER_ROOM, "%.36s %s%.4s", number, prefixes[prefix], unit);
+}
+
 void plot_log_axis_label(double mark, const char *unit, char text[PLOT_MARK_ROOM])
 {
     static const char *const prefixes[] = { "", "m", "u", "n", "p", "f", "a" };

@@ -63,6 +63,14 @@ enum { PLOT_MARK_ROOM = 32 };
 void plot_log_axis_label(double mark, const char *unit, char text[PLOT_MARK_ROOM]);
 
 /*
+ * A number as people read it, to so many significant digits and without an exponent: what is below 5e-10 is 0. With a
+ * unit, also its SI prefix, as "7.9 ms"; of % without a prefix.
+ */
+enum { PLOT_NUMBER_ROOM = 48 };
+void plot_number(double value, int digits, char text[PLOT_NUMBER_ROOM]);
+void plot_quantity(double value, int digits, const char *unit, char text[PLOT_NUMBER_ROOM]);
+
+/*
  * A line of a plot, taken point by point and kept in bounded memory however long it is. Neighbouring points are put
  * together in groups; each keeps its first, lowest, highest and last point, so no peak is lost. A group is narrower
  * than 1/2000 of the line's length, or it is a single point, or points at one place.

@@ -3,8 +3,8 @@
 #ifndef DPT_TOOLS_PLAN_TEXT_H
 #define DPT_TOOLS_PLAN_TEXT_H
 
-#include "host/scene_text.h"
 #include "measure/measure_setting.h"
+#include "scene/scene_text.h"
 
 void plan_text_note(struct scene_text *text, const struct measure_setting *setting);
 

@@ -2,32 +2,13 @@
 #define _POSIX_C_SOURCE 200809L
 #include "record/recording_embed.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "cli/command_options.h"
-#include "host/scene_list.h"
-
-/* Offsets in a piece. What comes before AT_FILE is that of records of any kind. */
-enum {
-    AT_KIND = 0,
-    AT_BYTES = 4,
-    AT_CRC = 8,
-    AT_NUMBER = 16,
-    AT_FILE = 24,
-    AT_PIECE_BYTES = 28,
-    AT_OFFSET = 32,
-    AT_TOTAL = 40,
-    AT_PIECE = 48
-};
-
-/* Small, so that damage leaves most of a file, and is found soon. */
-enum { PIECE_BYTES = 65536 };
 
 const char *const embedded_names[EMBED_FILES] = { "scene", "tool" };
 
@@ -37,92 +18,6 @@ static uint64_t get(const unsigned char *from, int bytes)
     for (int i = 0; i < bytes; i++)
         value |= (uint64_t)from[i] << 8 * i;
     return value;
-}
-
-static void put(unsigned char *to, uint64_t value, int bytes)
-{
-    for (int i = 0; i < bytes; i++)
-        to[i] = (unsigned char)(value >> 8 * i);
-}
-
-static int load_one(struct embedded_file *file, const char *command, const char *path, struct scene_bytes *bytes)
-{
-    size_t size;
-    file->bytes = load_file(command, path, &size);
-    if (!file->bytes)
-        return 2;
-    file->total = size;
-    *bytes = (struct scene_bytes){ file->bytes, size };
-    return 0;
-}
-
-int recording_embed_load(struct recording_embed *embed, struct scene_def *def, const char *record)
-{
-    const int has_name = scene_listed(def->path) != NULL;
-    struct stat status;
-    if (stat(record, &status) == 0 && !S_ISREG(status.st_mode))
-        return complain(def->command, "--embed: %s is no file to which a scene can be added", record);
-    if (def->file)
-        return complain(def->command,
-                        "--embed: %s is a scene file, which names others: only a scene of one "
-                        "compiled file, MESH.dpa or ARM.dpa, can be carried",
-                        def->path);
-    if (has_name && !def->tool)
-        fprintf(stderr, "%s: note: --embed: a scene by name needs none: the program makes it\n", def->path);
-    int result = has_name ? 0 : load_one(&embed->file[EMBED_SCENE], def->command, def->path, &def->scene_bytes);
-    if (result == 0 && def->tool)
-        result = load_one(&embed->file[EMBED_TOOL], def->command, def->tool, &def->tool_bytes);
-    return result;
-}
-
-static int write_pieces(const struct recording_embed *embed, unsigned char *piece, FILE *out)
-{
-    struct crc32 crc;
-    uint64_t number = 0;
-    crc32_init(&crc);
-    for (uint32_t i = 0; i < EMBED_FILES; i++) {
-        const struct embedded_file *file = &embed->file[i];
-        for (uint64_t at = 0; file->bytes && at < file->total; at += PIECE_BYTES) {
-            const uint64_t left = file->total - at;
-            const size_t bytes = left < PIECE_BYTES ? (size_t)left : PIECE_BYTES;
-            const size_t size = (AT_PIECE + bytes + 7) & ~(size_t)7;
-            memset(piece, 0, size);
-            put(piece + AT_KIND, RECORDING_KIND_PIECE, 4);
-            put(piece + AT_BYTES, size, 4);
-            put(piece + AT_NUMBER, number++, 8);
-            put(piece + AT_FILE, i, 4);
-            put(piece + AT_PIECE_BYTES, bytes, 4);
-            put(piece + AT_OFFSET, at, 8);
-            put(piece + AT_TOTAL, file->total, 8);
-            memcpy(piece + AT_PIECE, file->bytes + at, bytes);
-            put(piece + AT_CRC, crc32_of(&crc, piece, size), 4);
-            if (fwrite(piece, 1, size, out) != size)
-                return 0;
-        }
-    }
-    return fflush(out) == 0;
-}
-
-int recording_embed_write(const struct recording_embed *embed, const char *path)
-{
-    unsigned char *piece = malloc(AT_PIECE + PIECE_BYTES);
-    FILE *out = piece ? fopen(path, "ab") : NULL;
-    int reason = piece ? errno : ENOMEM, is_written = 0;
-    if (out && fseek(out, 0, SEEK_END) == 0) {
-        const long before = ftell(out);
-        is_written = write_pieces(embed, piece, out);
-        reason = errno;
-        if (!is_written && ftruncate(fileno(out), before) != 0)
-            is_written = 0;
-    }
-    if (out && fclose(out) != 0 && is_written) {
-        is_written = 0;
-        reason = errno;
-    }
-    free(piece);
-    if (is_written)
-        return 0;
-    return complain("run", "%s: its scene could not be added: %s", path, strerror(reason));
 }
 
 static void fault(struct embedded_file *file, const char *format, ...)
@@ -199,18 +94,18 @@ static void take_piece(struct recording_embed *embed, const struct recording_fil
     const unsigned char *piece = recording->piece;
     const uint64_t byte = recording->byte;
     struct crc32 crc;
-    const uint64_t which = recording->piece_bytes < AT_PIECE ? EMBED_SCENE : get(piece + AT_FILE, 4);
+    const uint64_t which = recording->piece_bytes < EMBED_AT_PIECE ? EMBED_SCENE : get(piece + EMBED_AT_FILE, 4);
     if (which >= EMBED_FILES)
         return;
     const char *name = embedded_names[which];
     struct embedded_file *file = &embed->file[which];
     file->pieces++;
-    const size_t bytes = recording->piece_bytes < AT_PIECE ? 0 : (size_t)get(piece + AT_PIECE_BYTES, 4);
-    if (!bytes || ((AT_PIECE + bytes + 7) & ~(size_t)7) != recording->piece_bytes) {
+    const size_t bytes = recording->piece_bytes < EMBED_AT_PIECE ? 0 : (size_t)get(piece + EMBED_AT_PIECE_BYTES, 4);
+    if (!bytes || embed_piece_size(bytes) != recording->piece_bytes) {
         fault(file, "byte %" PRIu64 ": this piece of the %s has a length that cannot be", byte, name);
         return;
     }
-    const uint64_t offset = get(piece + AT_OFFSET, 8), total = get(piece + AT_TOTAL, 8);
+    const uint64_t offset = get(piece + EMBED_AT_OFFSET, 8), total = get(piece + EMBED_AT_TOTAL, 8);
     if (file->fault[0] || (!file->total && !begin_file(embed, file, total, byte, name)))
         return;
     if (total != file->total) {
@@ -222,9 +117,9 @@ static void take_piece(struct recording_embed *embed, const struct recording_fil
     if (!check_place(embed, file, offset, bytes, byte, name))
         return;
     if (file->bytes)
-        memcpy(file->bytes + file->held, piece + AT_PIECE, bytes);
+        memcpy(file->bytes + file->held, piece + EMBED_AT_PIECE, bytes);
     crc32_init(&crc);
-    file->crc32 = crc32_more(&crc, file->crc32, piece + AT_PIECE, bytes);
+    file->crc32 = crc32_more(&crc, file->crc32, piece + EMBED_AT_PIECE, bytes);
     file->held += bytes;
 }
 

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * The files that a recording carries, in pieces (docs/format.md, "pieces of a file"): that of its scene, and that of its
- * tool's arm. Then it can be shown and replayed where these files are not.
- */
+/* The files that a recording carries (host/host_embed.h), found in it again. */
 #ifndef DPT_TOOLS_RECORDING_EMBED_H
 #define DPT_TOOLS_RECORDING_EMBED_H
 
-#include "host/scene_text.h"
+#include "host/host_embed.h"
 #include "record/recording_file.h"
+#include "scene/scene_text.h"
 
-enum { EMBED_SCENE, EMBED_TOOL, EMBED_FILES };
 enum { EMBED_FAULT_BYTES = 200 };
 
 struct embedded_file {
@@ -30,16 +27,6 @@ struct recording_embed {
 };
 
 extern const char *const embedded_names[EMBED_FILES]; /* "scene", "tool" */
-
-/*
- * For `dynpoint run --embed`: load the files of a scene, and let the scene's bytes be these. Refuses a scene file. A scene
- * by name has no file, and the user is told. `record` is where it will be written. Returns 0, or 2 after a message. Free it
- * in any case, after the scene was opened.
- */
-int recording_embed_load(struct recording_embed *embed, struct scene_def *def, const char *record);
-
-/* Append them to a recording that was closed. If that fails it is as it was. Returns 0, or 2 after a message. */
-int recording_embed_write(const struct recording_embed *embed, const char *path);
 
 /*
  * Take what recording_next gave, with wants_pieces set, in order and to the end. Counts, and notes the first fault of each

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 
 #include "cli/command_options.h"
+#include "host/host_embed.h"
 
 /* Of a record of any kind: where its length is, and the least that has one. */
 enum { AT_BYTES = 4, RECORD_BYTES_MIN = 24 };
@@ -96,7 +97,7 @@ static uint32_t word_at(const unsigned char *from)
 
 static int is_piece(const struct recording_file *recording, size_t at)
 {
-    return word_at(recording->buffer + at) == RECORDING_KIND_PIECE;
+    return word_at(recording->buffer + at) == EMBED_KIND_PIECE;
 }
 
 /*

@@ -7,7 +7,7 @@
 
 #include "dynpoint/record.h"
 
-enum { RECORDING_BATCH = 64, RECORDING_KIND_PIECE = 2 };
+enum { RECORDING_BATCH = 64 };
 
 struct recording_file {
     FILE *file;

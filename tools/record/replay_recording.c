@@ -9,12 +9,12 @@
 #include "cli/command_options.h"
 #include "cli/force_check.h"
 #include "cli/scene_command.h"
-#include "host/scene_list.h"
-#include "host/scene_record.h"
-#include "host/scene_trouble.h"
 #include "measure/measure_setting.h"
 #include "record/plan_text.h"
 #include "record/recording_file.h"
+#include "scene/scene_list.h"
+#include "scene/scene_record.h"
+#include "scene/scene_trouble.h"
 
 static const char help[] =
     "usage: dynpoint replay FILE.dpr [SCENE.json|MESH.dpa|ARM.dpa] [--tool ARM.dpa] [--json]\n"
@@ -39,8 +39,8 @@ struct comparison_of_records {
     uint64_t byte;                    /* where it is cut or damaged */
     uint64_t first_missing, next;     /* the first record that is missing, and the next one */
     const struct record_field *field; /* the first that differs */
-    struct scene_trouble trouble;
-    char wrong[SCENE_TROUBLE_BYTES]; /* its text */
+    uint64_t failed;                  /* ticks */
+    char wrong[SCENE_TROUBLE_BYTES];  /* the text of what went wrong */
     dpt_record recorded, replayed;
 };
 
@@ -54,20 +54,20 @@ static const struct record_field *compare(const dpt_record *a, const dpt_record 
 }
 
 /* Replay one record. Returns 0 where it differs. */
-static int replay_tick(struct scene *scene, struct comparison_of_records *compared)
+static int replay_tick(struct host_session *session, struct comparison_of_records *compared)
 {
+    const struct scene *scene = &session->scene;
     dpt_device_state state;
     dpt_wrench wrench = { { 0.0 }, { 0.0 } };
     const dpt_loop_sample sample = sample_of_record(&compared->recorded, &state, &scene->device);
-    const dpt_result result = scene_feel(scene, &sample, &wrench);
-    scene_trouble_note(&compared->trouble, scene, &sample, result);
+    const dpt_result result = host_session_feel(session, &sample, &wrench);
     compared->replayed = record_of_sample(&sample);
     record_answers(&compared->replayed, scene, result, &wrench);
     compared->field = compare(&compared->recorded, &compared->replayed);
     return !compared->field;
 }
 
-static enum ending replay_all(struct recording_file *recording, struct scene *scene,
+static enum ending replay_all(struct recording_file *recording, struct host_session *session,
                               struct comparison_of_records *compared)
 {
     for (;;) {
@@ -82,7 +82,7 @@ static enum ending replay_all(struct recording_file *recording, struct scene *sc
         compared->records++;
         if (!(compared->recorded.flags & DPT_RECORD_FLAG_FELT))
             continue;
-        if (!replay_tick(scene, compared))
+        if (!replay_tick(session, compared))
             return DIFFERS;
         compared->ticks++;
     }
@@ -130,7 +130,7 @@ static void print_json(const struct comparison_of_records *c)
         fputs(",\"replayed\":", stdout);
         record_field_print(stdout, c->field, &c->replayed, 1);
     }
-    printf(",\"failed\":%" PRIu64 ",\"trouble\":\"%s\"}\n", c->trouble.failed, c->wrong);
+    printf(",\"failed\":%" PRIu64 ",\"trouble\":\"%s\"}\n", c->failed, c->wrong);
 }
 
 static void note_version(const struct recording_file *recording, const char *path)
@@ -154,7 +154,7 @@ int replay_recording(int argc, char **argv)
     if (status >= 0)
         return status;
     struct recording_file recording;
-    struct scene scene = { .world = NULL };
+    struct host_session session = { .budget = 0 };
     struct scene_text *text = malloc(sizeof *text);
     dpt_host_error error = { .size = sizeof error };
     struct comparison_of_records compared = { .path = operand[0] };
@@ -163,18 +163,19 @@ int replay_recording(int argc, char **argv)
         status = text ? complain_of("replay", scene_text_read(text, operand[0], recording.text, &error), &error)
                       : complain("replay", "memory ran out");
     if (status == 0)
-        status = recording_scene_open(&scene, "replay", operand[0], text, operands > 1 ? operand[1] : NULL, tool);
+        status = recording_session_open(&session, "replay", operand[0], text, operands > 1 ? operand[1] : NULL, tool);
     if (status == 0) {
         note_version(&recording, operand[0]);
-        compared.ending = replay_all(&recording, &scene, &compared);
-        const int is_wrong = scene_trouble_text(&compared.trouble, &scene, compared.wrong);
+        compared.ending = replay_all(&recording, &session, &compared);
+        compared.failed = session.counts.trouble.failed;
+        const int is_wrong = scene_trouble_text(&session.counts.trouble, &session.scene, compared.wrong);
         (json ? print_json : print_text)(&compared);
         status = compared.ending == WHOLE || compared.ending == CUT ? 0 : 1;
         if (is_wrong)
             status = complain("replay", "%s: %s", operand[0], compared.wrong);
     }
     recording_close(&recording);
-    scene_close(&scene);
+    scene_close(&session.scene);
     free(text);
     return status;
 }
@@ -187,20 +188,6 @@ static int check_identity(const char *command, const char *path, const char *wha
     return complain(
         command, "%s: this is another %s than the recording's, which has %" PRIu64 " bytes and the CRC-32 %08" PRIx64,
         path, what, bytes, crc32);
-}
-
-static void observe(struct scene *scene, const struct scene_text *text)
-{
-    dpt_passivity_def def;
-    dpt_passivity_def_init(&def);
-    def.damping = text->passive_damping;
-    def.spin_damping = text->passive_spin_damping;
-    def.force_max = text->passive_force_max;
-    def.torque_max = text->passive_torque_max;
-    def.force_slew = text->passive_force_slew;
-    def.torque_slew = text->passive_torque_slew;
-    def.delay = text->passive_delay;
-    scene_passivity_begin(&scene->passivity, &def);
 }
 
 void recording_scene_embedded(const struct scene_text *text, const char *scene_path, const char *tool_path,
@@ -249,9 +236,11 @@ static int take_plan(struct scene *scene, const struct scene_text *text, const c
     return 0;
 }
 
-int recording_scene_open(struct scene *scene, const char *command, const char *path, const struct scene_text *text,
-                         const char *scene_path, const char *tool_path)
+int recording_session_open(struct host_session *session, const char *command, const char *path,
+                           const struct scene_text *text, const char *scene_path, const char *tool_path)
 {
+    struct scene *scene = &session->scene;
+    dpt_host_error error = { .size = sizeof error };
     struct recording_embed embed = { .room = 0 };
     int embedded[EMBED_FILES];
     struct measure_setting setting;
@@ -275,11 +264,6 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
                                         .friction = has_own_friction ? NAN : text->friction,
                                         .damping = text->damping,
                                         .rotational_stiffness = text->rotational_stiffness } };
-    const dpt_device_info info = { .size = sizeof info,
-                                   .flags = (uint32_t)text->device_flags,
-                                   .pose_dofs = (uint32_t)text->pose_dofs,
-                                   .wrench_dofs = (uint32_t)text->wrench_dofs,
-                                   .joints = (uint32_t)text->joints };
     recording_scene_embedded(text, scene_path, tool_path, embedded);
     int status = read_embedded(&def, &embed, path, text, embedded);
     if (status == 0)
@@ -298,14 +282,11 @@ int recording_scene_open(struct scene *scene, const char *command, const char *p
     if (status == 0)
         status = check_identity(command, def.tool ? def.tool : "", "tool", &scene->tool_file, text->tool_bytes,
                                 text->tool_crc32);
-    scene->sweep_budget = (uint32_t)text->sweep_budget;
     if (status == 0)
         status = take_plan(scene, text, path, &setting);
     if (status == 0)
-        status = make_scene_world(scene, &info, (uint32_t)text->budget);
+        status = complain_of(command, host_session_restore(session, text, &error), &error);
     scene->planned = NULL;
-    if (status == 0 && text->passivity)
-        observe(scene, text);
     scene_def_free(&def);
     return status;
 }

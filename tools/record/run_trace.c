@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host/host_file.h"
+#include "scene/host_file.h"
 
 int is_trace_name(const char *path)
 {

@@ -9,8 +9,8 @@
 #include "base/quaternion.h"
 #include "cli/command_options.h"
 #include "csv.h"
-#include "host/tip_shape.h"
 #include "measure/measure_run.h"
+#include "scene/tip_shape.h"
 
 static const char *const status_words[] = { "stale", "local", "bounded", "exact" };
 static const char *const contact_words[] = { "unknown", "separated", "touching", "penetrating" };
@@ -292,12 +292,10 @@ void replay_tool_close(struct replay_tool *tool)
         free(tool->blocks[i]);
 }
 
-dpt_result replay_tool_add(const struct replay_tool *tool, const struct csv_table *trace, dpt_world *world,
-                           dpt_tool *added)
+dpt_segment replay_tool_segment(const struct replay_tool *tool, const struct csv_table *trace)
 {
     const dpt_segment posed = { .b = { 0.0, 0.0, tool->length }, .radius = tool->radius };
-    const dpt_segment segment = tool->tips.count ? posed : segment_of(trace, 0, tool->radius);
-    return dpt_tool_add(world, &segment, 1, added);
+    return tool->tips.count ? posed : segment_of(trace, 0, tool->radius);
 }
 
 dpt_result replay_tool_add_tips(struct replay_tool *tool, dpt_world *world, dpt_tool added, const dpt_mesh *mesh,

@@ -8,7 +8,7 @@
 #include "csv.h"
 #include "dynpoint.h"
 #include "dynpoint/tip.h"
-#include "host/tip_shape.h"
+#include "scene/tip_shape.h"
 
 struct replayed_tick {
     dpt_hit hit;
@@ -78,9 +78,10 @@ struct replay_tool {
 int replay_tool_open(struct replay_tool *tool, const char *path, const struct csv_table *trace);
 void replay_tool_close(struct replay_tool *tool);
 
-/* Into a world that has none: the segment, and after the tool has its law, the tips, which feel this one body. */
-dpt_result replay_tool_add(const struct replay_tool *tool, const struct csv_table *trace, dpt_world *world,
-                           dpt_tool *added);
+/* Its segment, as it is added to a world. */
+dpt_segment replay_tool_segment(const struct replay_tool *tool, const struct csv_table *trace);
+
+/* After the tool has its law: the tips, which feel this one body. */
 dpt_result replay_tool_add_tips(struct replay_tool *tool, dpt_world *world, dpt_tool added, const dpt_mesh *mesh,
                                 const struct force_options *force);
 

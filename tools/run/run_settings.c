@@ -31,9 +31,9 @@ int run_physics_check(const struct scene *scene, const dpt_device_info *device, 
 
 void run_physics_print(const struct scene *scene, int is_json)
 {
-    if (!scene->physics)
+    if (!scene->stage.physics)
         return;
-    const struct scene_physics_report report = scene_physics_get_report(scene->physics);
+    const struct scene_physics_report report = scene_physics_get_report(scene->stage.physics);
     if (is_json)
         printf(",\"physics\":{\"rate\":%.17g,\"asked\":%.17g,\"steps\":%" PRIu64 ",\"late\":%" PRIu64 ",\"thread\":%s}",
                report.rate, report.asked, report.steps, report.late, report.has_thread ? "true" : "false");
@@ -93,12 +93,12 @@ static const char help[] =
     "                   so that a tick keeps within one\n"
     "  --physics HZ     what gives way is stepped in a thread of its own, 1 to 5000 times a second;\n"
     "                   default in each tick. With a device that has a time of its own, by that\n"
-    "  --for S          seconds of the clock\n"
+    "  --for S          seconds of the clock; of a device with a time of its own, as sim without live=1,\n"
+    "                   seconds of that\n"
     "  --ticks N        or so many ticks\n"
     "  --reopen         while the device is lost, try once a second to open it again\n"
     "  --record F.dpr   every tick: what the device told, what was asked and what acted, contact,\n"
-    "                   proxy, energy. Written while it lasts, for dynpoint record and replay. With\n"
-    "                   --for, a device with a time of its own, as sim, runs for S of that\n"
+    "                   proxy, energy. Written while it lasts, for dynpoint record and replay\n"
     "  --embed          the recording carries MESH.dpa or ARM.dpa, and --tool: it needs no other file\n"
     "  --record F.csv   only how the tool moved, a trace; needs --ticks or --for\n"
     "  --view           show it in a browser: prints the address of a page on this machine\n"
@@ -119,9 +119,10 @@ static int check_record(const struct run_settings *settings)
     const char *const inputs[] = { settings->identified, NULL };
     if (!strcmp(settings->record, "-"))
         return complain("run", "--record needs a file: what is said at the end is on standard output");
-    if (check_scene_output(&settings->scene, settings->record) || output_check("run", settings->record, inputs))
+    if (check_scene_output(&settings->scene, settings->record) || output_check("run", settings->record, inputs) ||
+        device_output_check("run", settings->record, settings->device))
         return 2;
-    return device_output_check("run", settings->record, settings->device);
+    return output_check_name("run", settings->record, ".dpr .csv", "a recording, or a trace");
 }
 
 /* The plan's scene, and what the options do not say. Returns 0, or 2 after a message. */
@@ -146,10 +147,8 @@ static int read_plan(struct run_settings *settings, size_t operands, const char 
 
 static int read_jaw(struct jaw_motion *motion, const char *text)
 {
-    if (!jaw_motion_parse(motion, text, text + strlen(text)))
-        return complain("run", "--jaw takes SHARE or FROM:TO:SECONDS[:BUTTON]; it is '%s'", text);
-    const char *fault = jaw_motion_fault(motion);
-    return fault ? complain("run", "--jaw %s: %s", text, fault) : 0;
+    dpt_host_error error = { .size = sizeof error };
+    return complain_of("run", jaw_motion_read(motion, "--jaw", text, &error), &error);
 }
 
 /* What shapes the scene's feel: ranges, and options that need each other. Returns 0, or 2 after a message. */
@@ -186,9 +185,11 @@ static int check_loop(const struct run_settings *settings)
         return complain("run", "--budget must be 0 to %u", (unsigned)UINT32_MAX);
     if (!(settings->seconds > 0.0))
         return complain("run", "--for must be positive");
-    if (run_is_traced(settings) && settings->ticks > RUN_TRACE_MAX)
+    if (settings->ticks == 0)
+        return complain("run", "--ticks must be positive: without it, and without --for, the run goes on");
+    if (run_is_traced(settings) && settings->ticks > RUN_TRACE_MAX && settings->ticks != RUN_NO_NUMBER)
         return complain("run", "--record: at most %d --ticks", RUN_TRACE_MAX);
-    if (run_is_traced(settings) && !settings->ticks && !(settings->seconds < HUGE_VAL))
+    if (run_is_traced(settings) && settings->ticks == RUN_NO_NUMBER && !(settings->seconds < HUGE_VAL))
         return complain("run", "--record needs --ticks or --for");
     return 0;
 }
@@ -244,6 +245,7 @@ static int parse_settings(struct run_settings *settings, struct run_words *words
     *settings = (struct run_settings){ .coupling = { .stiffness = NAN, .gain_margin = 1.5 },
                                        .clutch = RUN_NO_NUMBER,
                                        .cpu = RUN_NO_NUMBER,
+                                       .ticks = RUN_NO_NUMBER,
                                        .force_max = NAN,
                                        .seconds = HUGE_VAL,
                                        .budget = HOST_BUDGET_BY_RATE };
@@ -287,5 +289,7 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
         return 2;
     if (check_feel(settings) || check_loop(settings))
         return 2;
+    if (settings->ticks == RUN_NO_NUMBER)
+        settings->ticks = 0;
     return -1;
 }

@@ -4,11 +4,11 @@
 #define DPT_TOOLS_RUN_SETTINGS_H
 
 #include "dynpoint/coupling.h"
+#include "host/host_embed.h"
 #include "host/host_session.h"
-#include "host/scene.h"
-#include "host/scene_def.h"
 #include "plan/plan_file.h"
-#include "record/recording_embed.h"
+#include "scene/scene.h"
+#include "scene/scene_def.h"
 #include "view/run_view.h"
 
 /* The word for what limits a coupling, as "stability". */
@@ -33,7 +33,7 @@ struct run_settings {
     uint64_t ticks, budget;          /* HOST_BUDGET_BY_RATE: not given */
     uint64_t clutch, cpu;            /* RUN_NO_NUMBER: not given */
     struct run_view_options view;
-    struct recording_embed embed;
+    struct host_embed embed;
     const char *plan_path; /* NULL: there is no plan */
     struct plan plan;
     int json, reopen, is_active, awake, embeds;

@@ -8,7 +8,7 @@
 
 #include <stdio.h>
 
-#include "host/shape.h"
+#include "scene/shape.h"
 
 /* Errors are left in the file's error flag. */
 typedef void mesh_writer(FILE *file, const struct shape *shape);

@@ -74,7 +74,7 @@ int run_view_open(struct run_view **made, const struct run_view_options *options
         view->scene = scene;
         view->device = hand->device;
         view->first.bytes = scene_picture_message(scene, &picture, &view->first.size);
-        view->feed = view_feed_open(scene->world, scene_picture_vertices(scene));
+        view->feed = view_feed_open(scene->stage.world, scene_picture_vertices(scene));
     }
     const struct view_source source = { .first = view ? &view->first : NULL,
                                         .first_count = 1,

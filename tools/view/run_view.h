@@ -4,7 +4,7 @@
 #define DPT_TOOLS_RUN_VIEW_H
 
 #include "dynpoint/loop.h"
-#include "host/scene.h"
+#include "scene/scene.h"
 
 /* Begin with zeros: no viewer. */
 struct run_view_options {

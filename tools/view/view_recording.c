@@ -4,14 +4,15 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "cli/command_options.h"
 #include "dynpoint/snapshot.h"
-#include "host/scene_list.h"
-#include "host/scene_record.h"
-#include "host/scene_trouble.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
+#include "scene/scene_list.h"
+#include "scene/scene_record.h"
+#include "scene/scene_trouble.h"
 #include "view/view_scene.h"
 
 #define FRAME_SECONDS (1.0 / 60.0)
@@ -25,7 +26,7 @@ enum { TICKS_ROOM = 4096 };
 /* The frames of a recording as they are made. */
 struct filming {
     struct view_stream *stream;
-    struct scene *scene;
+    struct host_session *session;
     dpt_snapshot_def def;
     uint32_t vertices; /* of the scene */
     uint64_t vertices_sent;
@@ -37,7 +38,6 @@ struct filming {
     int has_moved;
     double time, next_time;
     uint64_t missing;
-    struct scene_trouble trouble;
 };
 
 /* Returns 0 if memory ran out. */
@@ -47,8 +47,8 @@ static int add_frame(struct filming *filming)
     const int has_room = filming->vertices_sent < VERTICES_BYTES;
     const int is_due = filming->number % VERTICES_EVERY == 0;
     filming->def.max_vertices = filming->has_moved && has_room && is_due ? filming->vertices : 0;
-    if (dpt_world_take_snapshot(filming->scene->world, &filming->def, filming->snapshot, filming->capacity, &size) !=
-        DPT_OK)
+    if (dpt_world_take_snapshot(filming->session->scene.stage.world, &filming->def, filming->snapshot,
+                                filming->capacity, &size) != DPT_OK)
         return 0;
     if (filming->def.max_vertices) {
         filming->has_moved = 0;
@@ -75,10 +75,11 @@ static int film_tick(struct filming *filming, const dpt_record *record)
 {
     dpt_device_state state;
     dpt_wrench wrench = { { 0.0 }, { 0.0 } };
-    struct scene *scene = filming->scene;
+    struct scene *scene = &filming->session->scene;
+    const uint64_t failed = filming->session->counts.trouble.failed;
     const dpt_loop_sample sample = sample_of_record(record, &state, &scene->device);
-    const dpt_result result = scene_feel(scene, &sample, &wrench);
-    if (!scene_trouble_note(&filming->trouble, scene, &sample, result) && result != DPT_OK)
+    const dpt_result result = host_session_feel(filming->session, &sample, &wrench);
+    if (result != DPT_OK && filming->session->counts.trouble.failed == failed)
         return 1;
     filming->time += sample.dt;
     filming->has_moved |= scene->bodies.moves != filming->moves_before;
@@ -128,7 +129,7 @@ static int film(struct filming *filming, struct recording_file *recording, char 
     size_t used = strlen(why);
     if (filming->missing)
         snprintf(why + used, room - used, " %" PRIu64 " records are missing in it.", filming->missing);
-    *is_wrong = scene_trouble_text(&filming->trouble, filming->scene, wrong);
+    *is_wrong = scene_trouble_text(&filming->session->counts.trouble, &filming->session->scene, wrong);
     used = strlen(why);
     if (*is_wrong)
         snprintf(why + used, room - used, " %s", wrong);
@@ -139,22 +140,30 @@ static int film(struct filming *filming, struct recording_file *recording, char 
     return 0;
 }
 
-/* The path in a recording is another person's: it is told, and not opened. */
+/* A file, and none that could keep its reader waiting. */
+static int is_there(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/* As replay does, the scene's file is taken where it was; its bytes are compared with the recording's. */
 static int check_mesh(const struct view_recording_files *files, const struct scene_text *text)
 {
-    if (files->mesh || scene_listed(text->scene) || text->embedded)
+    if (files->mesh || scene_listed(text->scene) || text->embedded || is_there(text->scene))
         return 0;
     return complain("view",
-                    "%s: of which scene it is must be said, by --mesh FILE: it was '%s', of %" PRIu64
+                    "%s: its scene is not where it was, so --mesh FILE is needed: it was '%s', of %" PRIu64
                     " bytes and the CRC-32 %08" PRIx64,
                     files->recording, text->scene, text->scene_bytes, text->scene_crc32);
 }
 
 static int check_tool(const struct view_recording_files *files, const struct scene_text *text)
 {
-    if (files->tool || !text->tool[0] || text->embedded)
+    if (files->tool || !text->tool[0] || text->embedded || is_there(text->tool))
         return 0;
-    return complain("view", "%s: --tool ARM.dpa is needed: it was '%s'", files->recording, text->tool);
+    return complain("view", "%s: its tool is not where it was, so --tool ARM.dpa is needed: it was '%s'",
+                    files->recording, text->tool);
 }
 
 /* Returns 0, or 2 after a message. */
@@ -167,11 +176,11 @@ static int begin(struct filming *filming, const struct view_recording_files *fil
                                            .rate = rate,
                                            .force_max = text->force_max };
     size_t size = 0;
-    void *scene = scene_picture_message(filming->scene, &picture, &size);
-    filming->vertices = scene_picture_vertices(filming->scene);
+    void *scene = scene_picture_message(&filming->session->scene, &picture, &size);
+    filming->vertices = scene_picture_vertices(&filming->session->scene);
     dpt_snapshot_def_init(&filming->def);
     filming->def.max_vertices = filming->vertices;
-    filming->capacity = dpt_snapshot_bytes(filming->scene->world, &filming->def);
+    filming->capacity = dpt_snapshot_bytes(filming->session->scene.stage.world, &filming->def);
     filming->snapshot = malloc(filming->capacity);
     if (!view_stream_add(filming->stream, scene, size) || !filming->snapshot)
         return complain("view", "memory ran out");
@@ -181,7 +190,7 @@ static int begin(struct filming *filming, const struct view_recording_files *fil
 int view_recording(struct view_stream *stream, const struct view_recording_files *files, int *is_wrong)
 {
     struct recording_file recording;
-    struct scene scene = { .world = NULL };
+    struct host_session session = { .budget = 0 };
     struct scene_text *text = malloc(sizeof *text);
     dpt_host_error error = { .size = sizeof error };
     struct filming *filming = calloc(1, sizeof *filming);
@@ -196,10 +205,10 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     if (status == 0)
         status = check_tool(files, text);
     if (status == 0)
-        status = recording_scene_open(&scene, "view", files->recording, text, files->mesh, files->tool);
+        status = recording_session_open(&session, "view", files->recording, text, files->mesh, files->tool);
     if (status == 0) {
         filming->stream = stream;
-        filming->scene = &scene;
+        filming->session = &session;
         status = begin(filming, files, text, recording.header.rate);
     }
     if (status == 0)
@@ -207,7 +216,7 @@ int view_recording(struct view_stream *stream, const struct view_recording_files
     if (status == 0 && !view_stream_add_end(stream, why))
         status = complain("view", "memory ran out");
     recording_close(&recording);
-    scene_close(&scene);
+    scene_close(&session.scene);
     if (filming)
         free(filming->snapshot);
     free(filming);

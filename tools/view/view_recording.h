@@ -7,7 +7,7 @@
 
 struct view_recording_files {
     const char *recording;
-    /* NULL: there is none, the program knows it by name, or the recording carries it. */
+    /* NULL: there is none, the program knows it by name, the recording carries it, or it is where it was. */
     const char *mesh; /* the file of its scene */
     const char *tool; /* of its tool's arm */
 };

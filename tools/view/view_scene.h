@@ -4,7 +4,7 @@
 #define DPT_TOOLS_VIEW_SCENE_H
 
 #include "dynpoint/mesh.h"
-#include "host/scene.h"
+#include "scene/scene.h"
 #include "view/view_stream.h"
 
 struct view_scene_body {

@@ -83,10 +83,7 @@ int view_serve(const char *command, const struct run_view_options *options, cons
     fputs(warning, stderr);
     if (options->open)
         open_browser(serving, command, url);
-    if (options->open && serving->browser.file[0])
-        printf("the viewer: a browser opens, port %u\n", (unsigned)view_server_port(serving->server));
-    else
-        printf("the viewer: %s\n", url);
+    printf("the viewer: %s\n", url);
     fflush(stdout);
     *made = serving;
     return 0;

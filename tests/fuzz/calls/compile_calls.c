@@ -124,7 +124,7 @@ static void draw_def(struct given_def *of)
         *def = (dpt_compile_def){ .format = draw_one_in(12) ? draw_below(7) : 0,
                                   .crease = draw_one_in(2) ? 0.0 : draw_in(0.01, 3.1),
                                   .threads = draw_below(3),
-                                  .reserved = draw_one_in(30) ? 1u : 0u };
+                                  .recentre = draw_one_in(30) ? 2u : draw_below(2) };
         def->scale = draw_one_in(2) ? 0.0 : draw_in(0.1, 10.0);
     }
     if (draw_one_in(20))
@@ -147,11 +147,11 @@ static void draw_def(struct given_def *of)
     of->given = draw_input(2, def, size, first, sizeof *def, &of->codes);
     /* What it does not reach to has its default. */
     if (size < sizeof *def)
-        def->reserved = 0;
+        def->recentre = 0;
     if (size < offsetof(dpt_compile_def, threads))
         def->crease = 0.0;
     may_fail(&of->codes,
-             def->format > DPT_FORMAT_OFF || def->reserved || !(def->scale >= 0.0) || !(def->scale <= 1e30) ||
+             def->format > DPT_FORMAT_OFF || def->recentre > 1 || !(def->scale >= 0.0) || !(def->scale <= 1e30) ||
                  !(def->crease >= 0.0 && def->crease <= 3.1415926536),
              DPT_E_ARGUMENT);
     /* Half a field is nobody's. */
@@ -159,6 +159,8 @@ static void draw_def(struct given_def *of)
     may_fail(&of->codes, of->codes.or_done, DPT_E_ARGUMENT);
     if (size >= offsetof(dpt_compile_def, springs))
         cells_may_fail(of);
+    may_fail(&of->codes, size >= offsetof(dpt_compile_def, springs) && def->cell_count && def->recentre,
+             DPT_E_ARGUMENT);
     if (size >= offsetof(dpt_compile_def, name) && def->springs)
         springs_may_fail(of);
 }
@@ -432,7 +434,7 @@ static void defaults(void)
     CALL(dpt_compile_def_defaults, &whole, sizeof whole);
     defaults_must_hold(0, size, is_null, &whole, sizeof whole);
     HOLDS(whole.scale == 1.0 && fabs(whole.crease - acos(0.5)) < 1e-15 && whole.threads == 1 && !whole.format &&
-              !whole.progress && !whole.user && !whole.reserved,
+              !whole.progress && !whole.user && !whole.recentre,
           "scale %g, crease %g, %u threads", whole.scale, whole.crease, whole.threads);
 }
 

@@ -4,8 +4,8 @@
 
 #include "dynpoint/compile.h"
 #include "fuzz/calls/calls.h"
-#include "host/shape.h"
 #include "lib/arm_random.h"
+#include "scene/shape.h"
 
 /* The last one is this game's own, if it has one. */
 struct subject subjects[MESHES + 1];

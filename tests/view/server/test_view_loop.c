@@ -121,7 +121,7 @@ static void tick(uint64_t i)
     if (scene_feel(&lab.scene, &sample, &wrench) == DPT_OK)
         run_view_tick(lab.view, &lab.scene, &sample, DPT_OK);
     dpt_device_write(lab.device, &wrench);
-    dpt_tool_get_hit(lab.scene.world, lab.scene.tool, &hit);
+    dpt_tool_get_hit(lab.scene.stage.world, lab.scene.stage.tool, &hit);
     __atomic_fetch_add(&lab.touches, hit.contact == DPT_CONTACT_PENETRATING, __ATOMIC_RELAXED);
     if (i == OFFENCE_AT)
         offend();
@@ -191,7 +191,7 @@ static int open_lab(void)
     dpt_device_get_info(lab.device, &lab.info);
     if (scene_open(&lab.scene, &def, &error) != DPT_OK ||
         scene_make_world(&lab.scene, &lab.info, 0, &error) != DPT_OK ||
-        (lab.physics > 0.0 && scene_physics_start(lab.scene.physics, 1000.0) != DPT_OK))
+        (lab.physics > 0.0 && scene_physics_start(lab.scene.stage.physics, 1000.0) != DPT_OK))
         return 0;
     dup2(ends[1], STDOUT_FILENO);
     const struct scene_hand hand = { lab.device, "sim", 1000.0, 5.0 };

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "scene/scene_list.h"
+
+#include <string.h>
+
+#include "dynpoint/springs.h"
+
+#define UPRIGHT                                                                                                        \
+    {                                                                                                                  \
+        { 0.0, 0.0, 0.0 },                                                                                             \
+        {                                                                                                              \
+            1.0, 0.0, 0.0, 0.0                                                                                         \
+        }                                                                                                              \
+    }
+
+/* What lies in the plane z = 0 lies in y = height. */
+#define LYING(height)                                                                                                  \
+    {                                                                                                                  \
+        { 0.0, (height), 0.0 },                                                                                        \
+        {                                                                                                              \
+            0.70710678118654752, -0.70710678118654752, 0.0, 0.0                                                        \
+        }                                                                                                              \
+    }
+
+#define STYLUS .length = 0.1, .radius = 0.002
+
+#define FIXED_BOX(...)                                                                                                 \
+    {                                                                                                                  \
+        .kind = DPT_REGION_BOX, .fixed = 1, .box = { __VA_ARGS__ }                                                     \
+    }
+
+/* The border of the square of 0.2 m. */
+static const dpt_spring_region membrane_border[] = {
+    FIXED_BOX(-0.11, -0.11, -0.01, -0.0999, 0.11, 0.01),
+    FIXED_BOX(0.0999, -0.11, -0.01, 0.11, 0.11, 0.01),
+    FIXED_BOX(-0.11, -0.11, -0.01, 0.11, -0.0999, 0.01),
+    FIXED_BOX(-0.11, 0.0999, -0.01, 0.11, 0.11, 0.01),
+};
+
+/* The corners of the square of 0.3 m: a cloth that nothing holds slides off a smooth rod. */
+static const dpt_spring_region cloth_corners[] = {
+    FIXED_BOX(-0.16, -0.16, -0.1, -0.14, -0.14, 0.1),
+    FIXED_BOX(0.14, -0.16, -0.1, 0.16, -0.14, 0.1),
+    FIXED_BOX(-0.16, 0.14, -0.1, -0.14, 0.16, 0.1),
+    FIXED_BOX(0.14, 0.14, -0.1, 0.16, 0.16, 0.1),
+};
+
+/* A liver hangs on its back; in the scene laparoscopy the patient lies on it. */
+static const dpt_spring_region liver_bed[] = { FIXED_BOX(-0.2, -0.2, -0.1, 0.2, 0.2, -0.035) };
+
+#define REGIONS(of) .regions = (of), .region_count = sizeof(of) / sizeof *(of)
+
+/* Healthy livers have a Young's modulus of 2 to 7 kPa by transient elastography. */
+#define LIVER_SPRINGS                                                                                                  \
+    {                                                                                                                  \
+        .size = sizeof(dpt_spring_net_def), .kind = DPT_NET_VOLUME, .young = 5000.0, .density = 1000.0, .drag = 5.0,   \
+        .viscosity = 1e-3, REGIONS(liver_bed)                                                                          \
+    }
+
+#define COLOUR(red, green, blue) .has_colour = 1, .colour = { red, green, blue }
+#define LIVER_RED                COLOUR(0.55, 0.15, 0.12)
+
+static const struct listed_scene scenes[] = {
+    { .name = "membrane",
+      STYLUS,
+      .origin = { 0.0, 0.007, -0.05 }, /* a stylus that lies is within the border */
+      .has_origin = 1,
+      .bodies = { { .shape = "membrane",
+                    .triangles = 512,
+                    .pose = LYING(0.0),
+                    .springs = { .size = sizeof(dpt_spring_net_def),
+                                 .kind = DPT_NET_SHEET,
+                                 .young = 1e5,
+                                 .thickness = 1e-3,
+                                 .density = 1000.0,
+                                 .drag = 10.0,
+                                 .viscosity = 1e-3,
+                                 REGIONS(membrane_border) },
+                    .spread = 0.0375 } } },
+    { .name = "cloth",
+      .gravity = 9.81,
+      .origin = { 0.0, -0.02, -0.1 },
+      .has_origin = 1,
+      .length = 0.2,
+      .radius = 0.004,
+      .bodies = { { .shape = "cloth",
+                    .triangles = 2048,
+                    .pose = LYING(0.0),
+                    .springs = { .size = sizeof(dpt_spring_net_def),
+                                 .kind = DPT_NET_SHEET,
+                                 .young = 1e5,
+                                 .thickness = 1e-3,
+                                 .density = 400.0,
+                                 .drag = 10.0,
+                                 .viscosity = 1e-4,
+                                 REGIONS(cloth_corners) },
+                    .sleep_speed = 0.01 } } },
+    { .name = "laparoscopy",
+      STYLUS,
+      .origin = { 0.0038, 0.0545, 0.0012 },
+      .has_origin = 1,
+      .bodies = { { .shape = "liver",
+                    .triangles = 2692,
+                    .pose = LYING(0.0),
+                    .springs = LIVER_SPRINGS,
+                    .spread = 0.02,
+                    LIVER_RED },
+                  { .shape = "stomach", .triangles = 1619, .pose = LYING(0.0), COLOUR(0.85, 0.6, 0.5) },
+                  { .shape = "spleen", .triangles = 1076, .pose = LYING(0.0), COLOUR(0.45, 0.1, 0.2) },
+                  { .shape = "wall", .triangles = 1024, .pose = LYING(0.0), COLOUR(0.85, 0.65, 0.55) } } },
+    { .name = "liver", STYLUS, .bodies = { { .shape = "liver", .triangles = 50332, .pose = UPRIGHT, LIVER_RED } } },
+    { .name = "soft-liver",
+      STYLUS,
+      .bodies = { { .shape = "liver",
+                    .triangles = 50332,
+                    .pose = UPRIGHT,
+                    .springs = LIVER_SPRINGS,
+                    .spread = 0.02,
+                    LIVER_RED } } },
+    { .name = "tori",
+      STYLUS,
+      .bodies = { { .shape = "torus", .triangles = 61358, .pose = UPRIGHT },
+                  { .shape = "torus",
+                    .triangles = 5568,
+                    .pose = { { 0.1, 0.0, 0.0 }, { 0.70710678118654752, -0.70710678118654752, 0.0, 0.0 } } } } },
+};
+enum { SCENES = sizeof scenes / sizeof *scenes };
+
+const char *scene_listed_name(uint32_t index)
+{
+    return index < SCENES ? scenes[index].name : NULL;
+}
+
+const struct listed_scene *scene_listed(const char *name)
+{
+    for (int i = 0; i < SCENES; i++)
+        if (!strcmp(scenes[i].name, name))
+            return &scenes[i];
+    return NULL;
+}
