@@ -125,8 +125,8 @@ static void set_counts(struct dpt_mesh *mesh, const struct model *model, const s
 static void set_sections(struct dpt_mesh *mesh, uint64_t nodes)
 {
     uint64_t end = mesh->header_bytes;
-    for (int id = 0; id < MESH_SECTION_COUNT && id < (int)mesh->section_count; id++) {
-        struct mesh_section *section = &mesh->section[id];
+    struct mesh_section *section = mesh->section;
+    for (int id = 0; id < (int)mesh->section_count; id++, section++) {
         mesh_section_name(id, section->name);
         section->offset = mesh_aligned(end);
         section->bytes = 4 * mesh_section_words(mesh, id, nodes);
