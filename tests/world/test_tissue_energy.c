@@ -20,6 +20,7 @@
  *     test_tissue_energy [PER CENT = 100, of a million ticks]
  */
 #include "world/tissue_rig.h"
+#include "world/tissue_triangle.h"
 
 enum { TICKS = 400, GAMES = 2500, ROOM = 3 * 4096 };
 
@@ -108,12 +109,6 @@ static void find_end(const struct tissue_tool *tool, const struct axis *proxy, c
     }
 }
 
-static void read_nodes(const struct tissue_body *body, double *at)
-{
-    for (uint32_t i = 0; i < dpt_springs_get_count(body->springs); i++)
-        tissue_node(body, i, at + 3 * i);
-}
-
 /* The surface before a step, how far it is foreseen to move, and its nodes before and after it. */
 struct surface {
     float vertex[ROOM];
@@ -155,33 +150,23 @@ static void point_motion(const struct tissue_body *body, const struct surface *s
     const uint32_t *corners, *numbers, *nodes;
     const float *weights;
     uint32_t count, embedded, t = 0;
-    double v[3][3], e[3], f[3], normal[3];
+    double v[3][3], weight[3];
     dpt_mesh_get_triangles(body->mesh.mesh, &corners, &numbers, &count);
     dpt_mesh_get_embedding(body->mesh.mesh, &nodes, &weights, &embedded);
     while (t + 1 < count && numbers[t] != number)
         t++;
     for (int k = 0; k < 9; k++)
         v[k / 3][k % 3] = (double)surface->vertex[3 * corners[3 * t + (uint32_t)k / 3] + (uint32_t)k % 3];
-    for (int k = 0; k < 3; k++) {
-        e[k] = v[1][k] - v[0][k];
-        f[k] = v[2][k] - v[0][k];
+    for (int k = 0; k < 3; k++)
         ahead[k] = motion[k] = 0.0;
-    }
-    cross3(e, f, normal);
+    weights_at(q, v, weight);
     for (uint32_t i = 0; i < 3; i++) {
         const uint32_t vertex = corners[3 * t + i];
-        double part[3];
-        for (int k = 0; k < 3; k++) {
-            e[k] = v[(i + 1) % 3][k] - q[k];
-            f[k] = v[(i + 2) % 3][k] - q[k];
-        }
-        cross3(e, f, part);
-        const double weight = dot3(part, normal) / dot3(normal, normal);
         for (uint32_t k = 0; k < 3; k++)
-            ahead[k] += weight * surface->ahead[3 * vertex + k];
+            ahead[k] += weight[i] * surface->ahead[3 * vertex + k];
         for (uint32_t m = 0; m < (nodes ? 4u : 1u); m++) {
             const uint32_t node = nodes ? nodes[4 * vertex + m] : vertex;
-            const double share = weight * (nodes ? (double)weights[4 * vertex + m] : 1.0);
+            const double share = weight[i] * (nodes ? (double)weights[4 * vertex + m] : 1.0);
             for (uint32_t k = 0; k < 3; k++)
                 motion[k] += share * (surface->to[3 * node + k] - surface->from[3 * node + k]);
         }
@@ -279,7 +264,7 @@ static void play(struct tissue_rig *tissue, uint64_t *seed, int ticks, struct se
             tool->device.position[k] = fmin(fmax(tool->device.position[k] + way[k], -0.03), 0.03);
         tool->device.position[2] = height + 0.001 - (depth + 0.002) * fabs(sin(rate * (i + 1) / TICKS)) + way[2];
         pose_turn_by(&tool->device, turn);
-        read_nodes(&tissue->body[0], surface.from);
+        tissue_nodes(&tissue->body[0], surface.from);
         tissue_rig_step_world(tissue);
         const dpt_pose left = tissue_tool_last_end(tissue, tool);
         const struct axis device = axis_at(tool, &tool->device), last = axis_at(tool, &left);
@@ -291,7 +276,7 @@ static void play(struct tissue_rig *tissue, uint64_t *seed, int ticks, struct se
         if (tissue->result != DPT_OK)
             return;
         seen->substeps = tissue->info[0].substeps > seen->substeps ? tissue->info[0].substeps : seen->substeps;
-        read_nodes(&tissue->body[0], surface.to);
+        tissue_nodes(&tissue->body[0], surface.to);
         const struct axis proxy = axis_at(tool, &pose);
         way_between(tool, &proxy, &device, at_device);
         way_between(tool, &proxy, &told, at_told);

@@ -24,7 +24,6 @@ static double apart_of(const struct tissue_tool *tool, const double a[6], const 
 /* Pressed in, wiped, torn out at 1 m/s: the flag is there where 5 % and 5 mN say so, and nowhere else. */
 static void it_says_where_the_proxy_is_apart(void)
 {
-    static const dpt_segment upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, 0.004 };
     const double axis[3] = { 0.0, 1.0, 0.0 };
     uint64_t set = 0, clear = 0;
     for (int i = 0; i < (int)part_of(16); i++) {
@@ -34,7 +33,7 @@ static void it_says_where_the_proxy_is_apart(void)
         def.integrator = i & 2 ? DPT_INTEGRATOR_EULER : DPT_INTEGRATOR_SYMPLECTIC;
         tissue_rig_open(&tissue);
         if (tissue_rig_add_soft(&tissue, &def)) {
-            struct tissue_tool *tool = tissue_rig_add_tool(&tissue, &upright, random_in(&seed, 200.0, 2000.0));
+            struct tissue_tool *tool = tissue_rig_add_tool(&tissue, &tissue_upright, random_in(&seed, 200.0, 2000.0));
             const double top = tissue.body[0].top + 0.006;
             double down = 0.0;
             pose_orient(&tool->device, axis, random_in(&seed, 0.0, 1.0));
@@ -239,11 +238,7 @@ static int open_rough(struct tissue_rig *tissue, uint32_t budget)
     tissue_rig_open_within(tissue, budget);
     if (!tissue_rig_add_soft(tissue, &def))
         return 0;
-    dpt_body_settings settings = { .size = sizeof settings };
-    dpt_body_get_settings(tissue->rig.world, tissue->body[0].id, &settings);
-    settings.static_friction = 0.5;
-    settings.kinetic_friction = 0.4;
-    dpt_body_set_settings(tissue->rig.world, tissue->body[0].id, &settings);
+    tissue_body_roughen(tissue, &tissue->body[0], 0.5, 0.4);
     tissue_rig_add_tool(tissue, &lying, 500.0)->device.position[2] = tissue->body[0].top + 0.005;
     tissue_rig_place(tissue);
     return 1;

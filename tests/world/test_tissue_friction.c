@@ -4,13 +4,8 @@
  * finds over the surface after the step; sums of forces and of work; and the same motion made by the body instead of the
  * device. How stiff the tissue is, and how it is shared among touches, is not judged here.
  */
-#include <math.h>
-
 #include "lib/mesh_builder.h"
-#include "mesh/mesh_format.h"
-#include "oracle/brute.h"
-#include "proxy/proxy.h"
-#include "world/tissue_scene.h"
+#include "world/tissue_rig.h"
 
 #define HOLD_MU  0.5
 #define SLIDE_MU 0.4
@@ -19,52 +14,46 @@
 #define TICK     2e-5 /* m, of a device that moves aside */
 #define AROUND   8e-3 /* m: of a circle */
 
-/* A rough body that is pressed; 0 after a failed check. */
-static int begin(struct tissue *tissue, uint32_t kind, uint32_t integrator, double lean, double *jump)
+/* A rough body and the rod that presses it; NULL after a failed check. */
+static struct tissue_tool *begin(struct tissue_rig *tissue, uint32_t kind, uint32_t integrator, double lean,
+                                 double *jump)
 {
     double mean;
-    tissue_begin(tissue, 667.0, lean);
-    if (!tissue_add(tissue, kind, integrator, 0.0, 0.0))
-        return 0;
-    tissue_roughen(tissue, HOLD_MU, SLIDE_MU);
-    *jump = tissue_press_and_hold(tissue, DEPTH, &mean);
+    const struct tissue_def def = tissue_asleep(kind, integrator);
+    struct tissue_tool *rod = tissue_rig_open_rod(tissue, 667.0, lean, 0.004);
+    if (!tissue_rig_add_soft(tissue, &def))
+        return NULL;
+    tissue_body_roughen(tissue, &tissue->body[0], HOLD_MU, SLIDE_MU);
+    *jump = tissue_rod_press_and_hold(tissue, DEPTH, &mean);
     CHECK(mean > 1e-3, "it is not touched: %g N", mean);
-    return 1;
-}
-
-/* Where the tool ended in the last tick. */
-static const dpt_pose *end_of(const struct tissue *tissue)
-{
-    const dpt_world *world = tissue->rig.world;
-    return &proxy_of(world, world_find_tool(world, tissue->rig.tool))->end;
+    return rod;
 }
 
 static void a_held_tool_sticks_and_is_silent(void)
 {
     static const double leans[] = { 0.0, 0.6, 1.2, 1.5708 };
     for (int i = 0; i < (int)part_of(24); i++) {
-        struct tissue tissue;
+        struct tissue_rig tissue;
         double jump;
-        if (begin(&tissue, i % 2 ? DPT_NET_SHEET : DPT_NET_VOLUME, (uint32_t)(i / 2 % 3), leans[i / 6], &jump)) {
-            const double force = length3(tissue.wrench.force);
+        struct tissue_tool *rod =
+            begin(&tissue, i % 2 ? DPT_NET_SHEET : DPT_NET_VOLUME, (uint32_t)(i / 2 % 3), leans[i / 6], &jump);
+        if (rod) {
+            const double force = length3(rod->force.wrench.force);
             CHECK(jump <= fmax(1e-3 * force, 1e-3), "case %d: jumps of %g N at %g N", i, jump, force);
-            CHECK(i % 2 || (tissue.force.sticking > 0 && tissue.force.slipping == 0), "case %d: %u stick, %u slip", i,
-                  tissue.force.sticking, tissue.force.slipping);
+            CHECK(i % 2 || (rod->force.sticking > 0 && rod->force.slipping == 0), "case %d: %u stick, %u slip", i,
+                  rod->force.sticking, rod->force.slipping);
         }
-        tissue_close(&tissue);
+        tissue_rig_close(&tissue);
     }
 }
 
 /* By how much the distance to the surface grows with the tool's place: the normal. */
-static void normal_at(const struct tissue *tissue, double normal[3])
+static void normal_at(const struct tissue_rig *tissue, double normal[3])
 {
-    const struct dpt_mesh *mesh = tissue->mesh[0].mesh;
-    const float *positions = NULL;
-    uint32_t count = 0;
+    const dpt_pose end = tissue_tool_last_end(tissue, &tissue->tool[0]);
+    oracle_mesh *brute = tissue_surface(tissue, &tissue->body[0]);
     double ends[6];
-    dpt_body_get_vertices(tissue->rig.world, tissue->body[0], &positions, &count);
-    oracle_mesh *brute = oracle_brute_open(positions, count, mesh_words(mesh, MESH_TRIANGLES), mesh->triangles);
-    pose_ends(end_of(tissue), &tissue->rig.segments[0], ends);
+    pose_ends(&end, &tissue->tool[0].segment, ends);
     const double here = oracle_brute(brute, ends, NULL);
     for (int k = 0; k < 3; k++) {
         double moved[6];
@@ -79,24 +68,25 @@ static void normal_at(const struct tissue *tissue, double normal[3])
 /* Drawn aside until it slides: of one touch the force lies in the cone, and on it while it slides. */
 static void a_touch_obeys_coulombs_law(void)
 {
-    struct tissue tissue;
+    struct tissue_rig tissue;
     double jump, most = 0.0, worst = 0.0;
     uint32_t stuck = 0, slid = 0;
-    if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump))
+    struct tissue_tool *rod = begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump);
+    if (rod)
         for (int t = 0; t < 400; t++) {
             double normal[3], across[3];
-            tissue.rig.device.position[1] += TICK;
-            tissue_tick(&tissue);
-            if (tissue.force.sticking + tissue.force.slipping != 1 || t % 4)
+            rod->device.position[1] += TICK;
+            tissue_rig_tick(&tissue);
+            if (rod->force.sticking + rod->force.slipping != 1 || t % 4)
                 continue;
             normal_at(&tissue, normal);
-            const double push = dot3(tissue.wrench.force, normal);
+            const double push = dot3(rod->force.wrench.force, normal);
             for (int k = 0; k < 3; k++)
-                across[k] = tissue.wrench.force[k] - push * normal[k];
+                across[k] = rod->force.wrench.force[k] - push * normal[k];
             const double share = length3(across) / push;
-            stuck += tissue.force.sticking;
-            slid += tissue.force.slipping;
-            if (tissue.force.slipping)
+            stuck += rod->force.sticking;
+            slid += rod->force.slipping;
+            if (rod->force.slipping)
                 worst = fmax(worst, fabs(share - SLIDE_MU));
             else
                 most = fmax(most, share);
@@ -104,78 +94,80 @@ static void a_touch_obeys_coulombs_law(void)
     CHECK(stuck > 20 && slid > 20, "it stuck in %u ticks and slid in %u", stuck, slid);
     CHECK(most > 0.95 * HOLD_MU && most <= 1.005 * HOLD_MU, "it held up to %g of its push", most);
     CHECK(worst < 0.01 * SLIDE_MU, "sliding, it was off by %g", worst);
-    tissue_close(&tissue);
+    tissue_rig_close(&tissue);
 }
 
 /* Until it rests, at home or trembling by 0.03 mm round it. */
-static void tremble(struct tissue *tissue, const double home[3], int ticks, uint64_t *seed)
+static void tremble(struct tissue_rig *tissue, const double home[3], int ticks, uint64_t *seed)
 {
     for (int t = 0; t < ticks; t++) {
         for (int k = 0; k < 3; k++)
-            tissue->rig.device.position[k] = home[k] + random_in(seed, -1.5e-5, 1.5e-5);
-        tissue_tick(tissue);
+            tissue->tool[0].device.position[k] = home[k] + random_in(seed, -1.5e-5, 1.5e-5);
+        tissue_rig_tick(tissue);
     }
-    memcpy(tissue->rig.device.position, home, 3 * sizeof *home);
+    memcpy(tissue->tool[0].device.position, home, 3 * sizeof *home);
     for (int t = 0; t < 500; t++)
-        tissue_tick(tissue);
+        tissue_rig_tick(tissue);
 }
 
 /* Pulled aside and trembling: what sticks rolls, but does not creep. A first while is for the tissue to settle. */
 static void what_sticks_does_not_creep(void)
 {
-    struct tissue tissue;
+    struct tissue_rig tissue;
     double jump;
-    if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump)) {
+    struct tissue_tool *rod = begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump);
+    if (rod) {
         const int ticks = 1000 * (int)part_of(100);
         uint64_t seed = 5;
-        double home[3], from[3], drift[3];
+        double home[3];
         for (int t = 0; t < 100; t++) {
-            tissue.rig.device.position[1] += TICK;
-            tissue_tick(&tissue);
+            rod->device.position[1] += TICK;
+            tissue_rig_tick(&tissue);
         }
-        memcpy(home, tissue.rig.device.position, sizeof home);
+        memcpy(home, rod->device.position, sizeof home);
         tremble(&tissue, home, 3000, &seed);
-        memcpy(from, end_of(&tissue)->position, sizeof from);
+        const dpt_pose from = tissue_tool_last_end(&tissue, rod);
         tremble(&tissue, home, ticks, &seed);
-        for (int k = 0; k < 3; k++)
-            drift[k] = end_of(&tissue)->position[k] - from[k];
-        CHECK(tissue.force.sticking == 1, "it does not stick");
-        CHECK(length3(drift) < 1e-6, "it crept by %g m in %d ticks", length3(drift), ticks);
+        const dpt_pose to = tissue_tool_last_end(&tissue, rod);
+        const double drift = apart(to.position, from.position);
+        CHECK(rod->force.sticking == 1, "it does not stick");
+        CHECK(drift < 1e-6, "it crept by %g m in %d ticks", drift, ticks);
     }
-    tissue_close(&tissue);
+    tissue_rig_close(&tissue);
 }
 
 /* Round and round on the surface: forces and torques sum up to zero in each tick, and the device only ever gives work. */
 static void rubbing_takes_work(void)
 {
-    struct tissue tissue;
+    struct tissue_rig tissue;
     double jump, worst = 0.0, peak = 0.0, work = 0.0, last[3], from[3];
-    if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1.5708, &jump)) {
-        const double x = tissue.rig.device.position[0], y = tissue.rig.device.position[1];
+    struct tissue_tool *rod = begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 1.5708, &jump);
+    if (rod) {
+        const double x = rod->device.position[0], y = rod->device.position[1];
         const int ticks = 1200;
         for (int t = 0; t < 3 * ticks; t++) {
             const double angle = 2.0 * PI * t / ticks;
             dpt_wrench on_body;
             double torque[3];
-            memcpy(last, tissue.wrench.force, sizeof last);
-            memcpy(from, tissue.rig.device.position, sizeof from);
-            tissue.rig.device.position[0] = x + AROUND * sin(angle);
-            tissue.rig.device.position[1] = y + AROUND * (1.0 - cos(angle));
-            peak = fmax(peak, tissue_tick(&tissue));
-            dpt_body_get_wrench(tissue.rig.world, tissue.body[0], &on_body);
-            cross3(tissue.rig.device.position, tissue.wrench.force, torque);
+            memcpy(last, rod->force.wrench.force, sizeof last);
+            memcpy(from, rod->device.position, sizeof from);
+            rod->device.position[0] = x + AROUND * sin(angle);
+            rod->device.position[1] = y + AROUND * (1.0 - cos(angle));
+            peak = fmax(peak, tissue_rig_tick(&tissue));
+            dpt_body_get_wrench(tissue.rig.world, tissue.body[0].id, &on_body);
+            cross3(rod->device.position, rod->force.wrench.force, torque);
             for (int k = 0; k < 3; k++) {
-                worst = fmax(worst, fabs(on_body.force[k] + tissue.wrench.force[k]));
-                worst = fmax(worst, fabs(on_body.torque[k] + tissue.wrench.torque[k] + torque[k]));
+                worst = fmax(worst, fabs(on_body.force[k] + rod->force.wrench.force[k]));
+                worst = fmax(worst, fabs(on_body.torque[k] + rod->force.wrench.torque[k] + torque[k]));
                 /* The first round begins with the tool straight below the device. */
                 if (t >= ticks)
-                    work -= 0.5 * (last[k] + tissue.wrench.force[k]) * (tissue.rig.device.position[k] - from[k]);
+                    work -= 0.5 * (last[k] + rod->force.wrench.force[k]) * (rod->device.position[k] - from[k]);
             }
         }
         CHECK(worst <= 1e-12 * peak, "off by %g N of %g N", worst, peak);
         CHECK(work > 0.3 * SLIDE_MU * peak * 4.0 * PI * AROUND, "two rounds took %g J", work);
     }
-    tissue_close(&tissue);
+    tissue_rig_close(&tissue);
 }
 
 /* A body that moves aside under a tool that sticks pulls it as a device that moves the other way does. */
@@ -183,26 +175,27 @@ static void a_body_carries_what_sticks(void)
 {
     double pulled[2] = { 0.0, 0.0 };
     for (int by_body = 0; by_body < 2; by_body++) {
-        struct tissue tissue;
+        struct tissue_rig tissue;
         double jump;
-        if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump)) {
+        struct tissue_tool *rod = begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, LEANING, &jump);
+        if (rod) {
             dpt_pose pose = DPT_POSE_IDENTITY;
-            const double before = tissue.wrench.force[1];
+            const double before = rod->force.wrench.force[1];
             for (int t = 0; t < 60; t++) {
                 if (by_body) {
                     pose.position[1] -= TICK;
-                    CHECK(dpt_body_set_pose(tissue.rig.world, tissue.body[0], &pose) == DPT_OK, "not moved");
+                    CHECK(dpt_body_set_pose(tissue.rig.world, tissue.body[0].id, &pose) == DPT_OK, "not moved");
                 } else {
-                    tissue.rig.device.position[1] += TICK;
+                    rod->device.position[1] += TICK;
                 }
-                tissue_tick(&tissue);
+                tissue_rig_tick(&tissue);
             }
             for (int t = 0; t < 500; t++)
-                tissue_tick(&tissue);
-            CHECK(tissue.force.sticking == 1, "case %d: it does not stick", by_body);
-            pulled[by_body] = tissue.wrench.force[1] - before;
+                tissue_rig_tick(&tissue);
+            CHECK(rod->force.sticking == 1, "case %d: it does not stick", by_body);
+            pulled[by_body] = rod->force.wrench.force[1] - before;
         }
-        tissue_close(&tissue);
+        tissue_rig_close(&tissue);
     }
     CHECK(pulled[0] < -0.05, "it was pulled by %g N", pulled[0]);
     CHECK(fabs(pulled[1] - pulled[0]) < 0.01 * fabs(pulled[0]), "%g N by the device, %g N by the body", pulled[0],
@@ -214,27 +207,28 @@ static void a_damper_is_felt_while_it_moves(void)
 {
     double pressed[2] = { 0.0, 0.0 }, held[2] = { 0.0, 0.0 };
     for (int is_damped = 0; is_damped < 2; is_damped++) {
-        struct tissue tissue;
+        struct tissue_rig tissue;
         dpt_tool_settings settings = { .size = sizeof settings };
         double jump;
-        tissue_begin(&tissue, 667.0, LEANING);
-        dpt_tool_get_settings(tissue.rig.world, tissue.rig.tool, &settings);
+        const struct tissue_def def = tissue_asleep(DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC);
+        struct tissue_tool *rod = tissue_rig_open_rod(&tissue, 667.0, LEANING, 0.004);
+        dpt_tool_get_settings(tissue.rig.world, rod->id, &settings);
         settings.damping = is_damped ? 1.0 : 0.0;
-        CHECK(dpt_tool_set_settings(tissue.rig.world, tissue.rig.tool, &settings) == DPT_OK, "not damped");
-        if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, 0.0)) {
-            jump = tissue_press_and_hold(&tissue, 0.004, &held[is_damped]);
+        CHECK(dpt_tool_set_settings(tissue.rig.world, rod->id, &settings) == DPT_OK, "not damped");
+        if (tissue_rig_add_soft(&tissue, &def)) {
+            jump = tissue_rod_press_and_hold(&tissue, 0.004, &held[is_damped]);
             CHECK(jump < 1e-3 * held[is_damped], "held, it jumps by %g N", jump);
             for (int t = 0; t < 100; t++) {
-                tissue_place(&tissue, 0.004 + TICK * t);
-                pressed[is_damped] = tissue_tick(&tissue);
+                tissue_rod_lower(&tissue, 0.004 + TICK * t);
+                pressed[is_damped] = tissue_rig_tick(&tissue);
             }
             for (int t = 0; t < 60; t++) {
-                tissue_place(&tissue, 0.006 - 1e-3 * t);
-                tissue_tick(&tissue);
-                CHECK(tissue.wrench.force[2] >= 0.0, "it pulls by %g N", tissue.wrench.force[2]);
+                tissue_rod_lower(&tissue, 0.006 - 1e-3 * t);
+                tissue_rig_tick(&tissue);
+                CHECK(rod->force.wrench.force[2] >= 0.0, "it pulls by %g N", rod->force.wrench.force[2]);
             }
         }
-        tissue_close(&tissue);
+        tissue_rig_close(&tissue);
     }
     CHECK(fabs(held[1] - held[0]) < 5e-3 * held[0], "held, %g N and %g N", held[0], held[1]);
     /* The spring grows by less than the device moves, as the tissue gives way. */

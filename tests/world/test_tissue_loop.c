@@ -17,7 +17,6 @@
 #define GRIP    300.0
 
 static const dpt_segment ball = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.006 };
-static const dpt_segment upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, 0.004 };
 
 static struct tissue_def block_def(void)
 {
@@ -131,7 +130,7 @@ static void a_device_comes_to_rest(void)
         tissue.rig.dt = dt;
         if (tissue_rig_add_soft(&tissue, &def)) {
             struct ending ending;
-            tissue_rig_add_tool(&tissue, i & 4 ? &upright : &ball, 0.9 * limit);
+            tissue_rig_add_tool(&tissue, i & 4 ? &tissue_upright : &ball, 0.9 * limit);
             put_above(&tissue, !(i & 2));
             run_loop(&tissue, i & 1 ? 1.5 : 5.0, &ending);
             CHECK(ending.last < (i & 1 ? 1e-2 : 1e-3) * ending.fastest, "case %d: at %g m/s, after %g", i, ending.last,

@@ -327,10 +327,7 @@ static int make_scene(struct tissue_rig *tissue, const struct scene *scene, uint
             b < scene->soft ? tissue_rig_add_soft(tissue, &def) : tissue_rig_add_rigid(tissue, &def);
         if (!body)
             return 0;
-        dpt_body_settings settings = { .size = sizeof settings };
-        dpt_body_get_settings(tissue->rig.world, body->id, &settings);
-        settings.stiffness = scene->yields;
-        dpt_body_set_settings(tissue->rig.world, body->id, &settings);
+        tissue_body_soften(tissue, body, scene->yields);
         top = body->top;
     }
     for (int i = 0; i < scene->tools; i++) {

@@ -5,24 +5,21 @@
  *
  *     test_tissue_yield [PER CENT = 100]
  */
-#include <math.h>
-
-#include "world/tissue_scene.h"
-
-static const uint32_t integrators[] = { DPT_INTEGRATOR_SYMPLECTIC, DPT_INTEGRATOR_EULER, DPT_INTEGRATOR_IMPLICIT };
+#include "world/tissue_rig.h"
 
 /* N: of a tool upright on its tip, 3 mm deep in tissue that hardly gives way. */
 static double hold(double coupling, double surface)
 {
-    struct tissue tissue;
+    struct tissue_rig tissue;
     double mean = 0.0;
-    tissue_begin(&tissue, coupling, 0.0);
-    tissue.young = 3e8;
-    if (tissue_add(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_IMPLICIT, 0.0, 0.0)) {
-        tissue_soften(&tissue, surface);
-        tissue_press_and_hold(&tissue, 0.003, &mean);
+    struct tissue_def def = tissue_asleep(DPT_NET_VOLUME, DPT_INTEGRATOR_IMPLICIT);
+    def.young = 3e8;
+    tissue_rig_open_rod(&tissue, coupling, 0.0, 0.004);
+    if (tissue_rig_add_soft(&tissue, &def)) {
+        tissue_body_soften(&tissue, &tissue.body[0], surface);
+        tissue_rod_press_and_hold(&tissue, 0.003, &mean);
     }
-    tissue_close(&tissue);
+    tissue_rig_close(&tissue);
     return mean;
 }
 
@@ -44,17 +41,19 @@ static void it_is_silent(void)
     static const double leans[] = { 0.0, 0.6, 1.2, 1.5708 };
     for (int kind = 0; kind < 2; kind++)
         for (int i = 0; i < (int)part_of(24); i++) {
-            struct tissue tissue;
+            struct tissue_rig tissue;
             double mean;
-            tissue_begin(&tissue, i & 1 ? 2000.0 : 200.0, leans[i / 6]);
-            if (tissue_add(&tissue, kind ? DPT_NET_SHEET : DPT_NET_VOLUME, integrators[i % 3], 0.0, 0.0)) {
-                tissue_soften(&tissue, i / 3 & 1 ? 300.0 : 3000.0);
-                const double jump = tissue_press_and_hold(&tissue, 0.006, &mean);
+            const struct tissue_def def =
+                tissue_asleep(kind ? DPT_NET_SHEET : DPT_NET_VOLUME, tissue_integrators[i % 3]);
+            struct tissue_tool *rod = tissue_rig_open_rod(&tissue, i & 1 ? 2000.0 : 200.0, leans[i / 6], 0.004);
+            if (tissue_rig_add_soft(&tissue, &def)) {
+                tissue_body_soften(&tissue, &tissue.body[0], i / 3 & 1 ? 300.0 : 3000.0);
+                const double jump = tissue_rod_press_and_hold(&tissue, 0.006, &mean);
                 CHECK(mean > 1e-3, "case %d: it is not touched: %g N", i, mean);
                 CHECK(jump <= fmax(1e-3 * mean, 1e-4), "case %d: jumps of %g N at %g N", i, jump, mean);
-                CHECK(!(tissue.force.flags & DPT_FORCE_FLAG_CROWDED), "case %d: flags %u", i, tissue.force.flags);
+                CHECK(!(rod->force.flags & DPT_FORCE_FLAG_CROWDED), "case %d: flags %u", i, rod->force.flags);
             }
-            tissue_close(&tissue);
+            tissue_rig_close(&tissue);
         }
 }
 
@@ -62,21 +61,22 @@ static void it_is_silent(void)
 static void it_gives_no_energy(void)
 {
     for (int i = 0; i < 3; i++) {
-        struct tissue tissue;
+        struct tissue_rig tissue;
         double given = 0.0, most = 0.0, force = 0.0, told = 0.0, moved = 0.0;
-        tissue_begin(&tissue, 500.0, 0.8);
-        if (tissue_add(&tissue, DPT_NET_VOLUME, integrators[i], 0.0, 0.0)) {
-            tissue_soften(&tissue, 400.0);
-            tissue_place(&tissue, -0.001);
-            rig_place(&tissue.rig);
+        const struct tissue_def def = tissue_asleep(DPT_NET_VOLUME, tissue_integrators[i]);
+        struct tissue_tool *rod = tissue_rig_open_rod(&tissue, 500.0, 0.8, 0.004);
+        if (tissue_rig_add_soft(&tissue, &def)) {
+            tissue_body_soften(&tissue, &tissue.body[0], 400.0);
+            tissue_rod_lower(&tissue, -0.001);
+            tissue_rig_place(&tissue);
             for (int t = 0; t <= 1600; t++) {
-                const double from = tissue.rig.device.position[2];
-                tissue_place(&tissue, 0.005 * sin(3.1415926 * t / 1600.0) - 0.0005);
-                tissue_tick(&tissue);
-                given -= 0.5 * (force + tissue.wrench.force[2]) * (tissue.rig.device.position[2] - from);
-                force = tissue.wrench.force[2];
-                told = tissue.force.energy;
-                moved += tissue.force.body_work;
+                const double from = rod->device.position[2];
+                tissue_rod_lower(&tissue, 0.005 * sin(3.1415926 * t / 1600.0) - 0.0005);
+                tissue_rig_tick(&tissue);
+                given -= 0.5 * (force + rod->force.wrench.force[2]) * (rod->device.position[2] - from);
+                force = rod->force.wrench.force[2];
+                told = rod->force.energy;
+                moved += rod->force.body_work;
                 most = fmax(most, given);
                 CHECK(fabs(told - moved - given) <= 1e-9 + 1e-6 * most, "tick %d: %g J of %g, %g J by the body", t,
                       told, given, moved);
@@ -84,7 +84,7 @@ static void it_gives_no_energy(void)
         }
         CHECK(most > 1e-4 && given >= -1e-3 * most, "%g J of %g are given back", -given, most);
         CHECK(force == 0.0, "%g N at the end", force);
-        tissue_close(&tissue);
+        tissue_rig_close(&tissue);
     }
 }
 

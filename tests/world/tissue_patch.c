@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tissue_patch.h"
 
+#include "world/tissue_triangle.h"
+
 /* The vertices that are nearer than the radius and can be reached over such, each with its share of the load. */
 static uint32_t find_patch(const struct tissue_body *body, const uint32_t *corners, struct patch_vertex *patch,
                            uint32_t vertices)

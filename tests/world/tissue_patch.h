@@ -15,17 +15,6 @@ struct patch_vertex {
     int is_in;
 };
 
-/* The vector area of a triangle, twice. */
-static inline void area_of(const double *a, const double *b, const double *c, double area[3])
-{
-    double e[3], f[3];
-    for (int k = 0; k < 3; k++) {
-        e[k] = b[k] - a[k];
-        f[k] = c[k] - a[k];
-    }
-    cross3(e, f, area);
-}
-
 /*
  * All vertices of the body, those of the patch at q with their shares: q is on a triangle of these corners, and the shares' mean
  * lies beside it along n. NULL: it is the triangle's corners alone.

@@ -5,6 +5,15 @@
 #include "mesh/mesh_format.h"
 #include "proxy/proxy.h"
 
+/* How a rod presses: m in a tick; ticks for which it is held, and the last of them, which are looked at. */
+#define PRESS 2e-5
+enum { HOLD = 1200, LOOKED_AT = 300 };
+
+const uint32_t tissue_integrators[TISSUE_INTEGRATORS] = { DPT_INTEGRATOR_SYMPLECTIC, DPT_INTEGRATOR_EULER,
+                                                          DPT_INTEGRATOR_IMPLICIT };
+
+const dpt_segment tissue_upright = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.06 }, 0.004 };
+
 void tissue_rig_open(struct tissue_rig *tissue)
 {
     tissue_rig_open_within(tissue, 0);
@@ -16,6 +25,18 @@ void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget)
     def.budget = budget;
     memset(tissue, 0, sizeof *tissue);
     rig_open(&tissue->rig, &def, NULL, NULL, 0);
+}
+
+struct tissue_tool *tissue_rig_open_rod(struct tissue_rig *tissue, double stiffness, double lean, double radius)
+{
+    const dpt_segment lying = { { 0.0, 0.0, -0.03 }, { 0.0, 0.0, 0.03 }, 0.0 };
+    const double axis[3] = { 0.0, 1.0, 0.0 };
+    dpt_segment segment = lean > 1.57 ? lying : tissue_upright;
+    segment.radius = radius;
+    tissue_rig_open(tissue);
+    struct tissue_tool *rod = tissue_rig_add_tool(tissue, &segment, stiffness);
+    pose_orient(&rod->device, axis, lean);
+    return rod;
 }
 
 void tissue_rig_close(struct tissue_rig *tissue)
@@ -43,6 +64,17 @@ struct tissue_def tissue_sheet(void)
     struct tissue_def def = tissue_ball();
     def.shape = "membrane";
     def.young = 1e5;
+    def.border[0] = def.border[1] = 0.09;
+    return def;
+}
+
+struct tissue_def tissue_asleep(uint32_t kind, uint32_t integrator)
+{
+    struct tissue_def def = kind == DPT_NET_SHEET ? tissue_sheet() : tissue_ball();
+    def.border[0] = 0.099;
+    def.border[1] = 0.0;
+    def.integrator = integrator;
+    def.sleeps = 1;
     return def;
 }
 
@@ -51,10 +83,11 @@ static struct tissue_body *add_mesh(struct tissue_rig *tissue, const struct tiss
     struct tissue_body *body = &tissue->body[tissue->body_count++];
     const int is_sheet = !strcmp(def->shape, "membrane");
     const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, def->floor } };
-    const dpt_spring_region border[4] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -0.09, 1, 1 } },
-                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.09, -1, -1, 1, 1, 1 } },
-                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, -0.09, 1 } },
-                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, 0.09, -1, 1, 1, 1 } } };
+    const double x = def->border[0], y = def->border[1];
+    const dpt_spring_region border[4] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -x, 1, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { x, -1, -1, 1, 1, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, -y, 1 } },
+                                          { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, y, -1, 1, 1, 1 } } };
     const dpt_spring_net_def net = { .size = sizeof net,
                                      .kind = is_sheet ? DPT_NET_SHEET : DPT_NET_VOLUME,
                                      .young = def->young,
@@ -64,7 +97,7 @@ static struct tissue_body *add_mesh(struct tissue_rig *tissue, const struct tiss
                                      .viscosity = def->viscosity,
                                      .spacing = is_sheet ? 0.0 : def->spacing,
                                      .regions = is_sheet ? border : &below,
-                                     .region_count = is_sheet ? 4 : def->floor > -1.0 ? 1 : 0 };
+                                     .region_count = is_sheet ? (y > 0.0 ? 4 : 2) : def->floor > -1.0 };
     dpt_mesh_info info = { .size = sizeof info };
     memcpy(body->place, def->place, sizeof body->place);
     if (!fixture_with_springs(&body->mesh, def->shape, def->triangles, &net))
@@ -95,6 +128,7 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     deform.pose = &pose;
     deform.max_points = 64;
     deform.load_radius = def->load_radius;
+    deform.period = def->period;
     for (int k = 0; k < 3; k++) {
         deform.box_min[k] = -1.0;
         deform.box_max[k] = 1.0;
@@ -139,6 +173,24 @@ struct tissue_tool *tissue_rig_add_tool(struct tissue_rig *tissue, const dpt_seg
     tool->id = rig_add_tool(&tissue->rig, segment, 1);
     rig_set_law(&tissue->rig, tool->id, DPT_LAW_PROXY, stiffness);
     return tool;
+}
+
+void tissue_body_roughen(struct tissue_rig *tissue, const struct tissue_body *body, double static_friction,
+                         double kinetic_friction)
+{
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_get_settings(tissue->rig.world, body->id, &settings);
+    settings.static_friction = static_friction;
+    settings.kinetic_friction = kinetic_friction;
+    CHECK(dpt_body_set_settings(tissue->rig.world, body->id, &settings) == DPT_OK, "not rough");
+}
+
+void tissue_body_soften(struct tissue_rig *tissue, const struct tissue_body *body, double stiffness)
+{
+    dpt_body_settings settings = { .size = sizeof settings };
+    dpt_body_get_settings(tissue->rig.world, body->id, &settings);
+    settings.stiffness = stiffness;
+    CHECK(dpt_body_set_settings(tissue->rig.world, body->id, &settings) == DPT_OK, "not soft");
 }
 
 static void set_turns(const struct tissue_rig *tissue, const struct tissue_tool *tool, double stiffness,
@@ -199,11 +251,39 @@ void tissue_rig_step_springs(struct tissue_rig *tissue)
         dpt_tool_get_force_info(tissue->rig.world, tissue->tool[i].id, &tissue->tool[i].force);
 }
 
-void tissue_rig_tick(struct tissue_rig *tissue)
+double tissue_rig_tick(struct tissue_rig *tissue)
 {
     tissue_rig_step_world(tissue);
     tissue_rig_step_springs(tissue);
     CHECK(tissue->result == DPT_OK, "%s", dpt_result_name(tissue->result));
+    return length3(tissue->tool[0].force.wrench.force);
+}
+
+void tissue_rod_lower(struct tissue_rig *tissue, double depth)
+{
+    struct tissue_tool *rod = &tissue->tool[0];
+    rod->device.position[2] = tissue->body[0].top + rod->segment.radius - depth;
+}
+
+double tissue_rod_press_and_hold(struct tissue_rig *tissue, double depth, double *mean)
+{
+    double last = 0.0, jump = 0.0;
+    tissue_rod_lower(tissue, -0.001);
+    tissue_rig_place(tissue);
+    for (double at = -0.001; at < depth; at += PRESS) {
+        tissue_rod_lower(tissue, at);
+        tissue_rig_tick(tissue);
+    }
+    *mean = 0.0;
+    for (int i = 0; i < HOLD; i++) {
+        const double force = tissue_rig_tick(tissue);
+        if (i >= HOLD - LOOKED_AT) {
+            jump = fmax(jump, fabs(force - last));
+            *mean += force / LOOKED_AT;
+        }
+        last = force;
+    }
+    return jump;
 }
 
 const float *tissue_vertices(const struct tissue_rig *tissue, const struct tissue_body *body, uint32_t *count)
@@ -220,6 +300,15 @@ const uint32_t *tissue_corners(const struct tissue_body *body, uint32_t *triangl
 {
     *triangles = body->mesh.mesh->triangles;
     return mesh_words(body->mesh.mesh, MESH_TRIANGLES);
+}
+
+oracle_mesh *tissue_surface(const struct tissue_rig *tissue, const struct tissue_body *body)
+{
+    uint32_t count = 0, triangles;
+    const float *positions = tissue_vertices(tissue, body, &count);
+    const uint32_t *corners = tissue_corners(body, &triangles);
+    CHECK(positions, "no vertices");
+    return oracle_brute_open(positions, count, corners, triangles);
 }
 
 void tissue_foresee(const struct tissue_rig *tissue, const struct tissue_body *body, uint32_t substeps, double radius,
@@ -248,13 +337,14 @@ void tissue_foresee(const struct tissue_rig *tissue, const struct tissue_body *b
     }
 }
 
-void tissue_node(const struct tissue_body *body, uint32_t node, double at[3])
+void tissue_nodes(const struct tissue_body *body, double *at)
 {
-    const struct spring_slice *slice = body->springs->state[body->springs->now] + node / LANES;
-    for (int k = 0; k < 3; k++) {
-        const uint32_t i = LANES * (uint32_t)k + node % LANES;
-        at[k] = (double)slice->x[i] + (double)slice->rest[i];
-    }
+    const struct spring_slice *slices = body->springs->state[body->springs->now];
+    for (uint32_t node = 0; node < dpt_springs_get_count(body->springs); node++)
+        for (uint32_t k = 0; k < 3; k++) {
+            const uint32_t i = LANES * k + node % LANES;
+            at[3 * node + k] = (double)slices[node / LANES].x[i] + (double)slices[node / LANES].rest[i];
+        }
 }
 
 double tissue_clearance(const struct tissue_rig *tissue)

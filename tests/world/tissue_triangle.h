@@ -1,9 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Nearest points of tissue_brute.c. */
-#ifndef DPT_TESTS_TISSUE_NEAREST_H
-#define DPT_TESTS_TISSUE_NEAREST_H
+/* Triangles and segments of tissue: areas, weights, nearest points. */
+#ifndef DPT_TESTS_TISSUE_TRIANGLE_H
+#define DPT_TESTS_TISSUE_TRIANGLE_H
 
 #include "lib/vector.h"
+
+/* The vector area of a triangle, twice. */
+static inline void area_of(const double *a, const double *b, const double *c, double area[3])
+{
+    double e[3], f[3];
+    for (int k = 0; k < 3; k++) {
+        e[k] = b[k] - a[k];
+        f[k] = c[k] - a[k];
+    }
+    cross3(e, f, area);
+}
+
+/* Corners' weights at q, which is in the plane of the triangle, by areas. */
+static inline void weights_at(const double q[3], double v[3][3], double weight[3])
+{
+    double normal[3], part[3];
+    area_of(v[0], v[1], v[2], normal);
+    for (int i = 0; i < 3; i++) {
+        area_of(q, v[(i + 1) % 3], v[(i + 2) % 3], part);
+        weight[i] = dot3(part, normal) / dot3(normal, normal);
+    }
+}
 
 static inline void nearest_on_triangle(const double p[3], double v[3][3], double q[3])
 {
