@@ -85,7 +85,7 @@ void tissue_rig_open(struct tissue_rig *tissue);
 void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget);
 void tissue_rig_close(struct tissue_rig *tissue);
 
-/* That, with a rod as its first tool, which leans: 0 is upright on its tip, pi / 2 lies across. Returns the rod. */
+/* Opened with a tool, which it returns: a rod of 60 mm that leans, 0 is upright on its tip, pi / 2 lies across. */
 struct tissue_tool *tissue_rig_open_rod(struct tissue_rig *tissue, double stiffness, double lean, double radius);
 
 /* A ball of springs of 0.1 m, whose lower part is fixed, as soft as a liver; a membrane, whose four sides are. */
