@@ -88,12 +88,12 @@ IdentifyResult = struct("dpt_identify_result", (c_uint32, "size end flags measur
                         (double3, "mass_direction damping_direction inertia_direction spin_damping_direction"),
                         (c_double, "force_bound torque_bound speed_max displacement_max"), (Pose, "pose"))
 CompileDef = struct("dpt_compile_def", (c_uint32, "size format"), (c_double, "scale"), (c_void_p, "progress user"),
-                    (c_double, "crease"), (c_uint32, "threads reserved"), (c_void_p, "nodes cells"),
-                    (c_uint32, "node_count cell_count"), (c_void_p, "springs reserved_pointer"))
+                    (c_double, "crease"), (c_uint32, "threads recentre"), (c_void_p, "nodes cells"),
+                    (c_uint32, "node_count cell_count"), (c_void_p, "springs name note note_user"))
 SpringRegion = struct("dpt_spring_region", (c_uint32, "kind fixed"), (c_double * 6, "box"), (c_double, "young density drag"))
 SpringDef = struct("dpt_spring_net_def", (c_uint32, "size kind"),
                    (c_double, "young density drag viscosity thickness bending spacing"), (c_void_p, "regions fixed"),
-                   (c_uint32, "region_count fixed_count"))
+                   (c_uint32, "region_count fixed_count"), (c_double, "poisson"))
 MeshSprings = struct("dpt_mesh_springs", (c_uint32, "size nodes slices springs"), (c_double, "viscosity"),
                      (POINTER(c_float), "rest mass drag"), (POINTER(c_uint32), "first neighbours"),
                      (POINTER(c_float), "stiffness length"), (c_void_p, "reserved"))

@@ -278,12 +278,16 @@ sweeps()
 import json
 waits, unlimited = json.load(open("waits.out")), json.load(open("stdout"))
 assert unlimited["force_error"] == 0 and waits["work"] <= 0.9 * unlimited["work"]' 2>python.log
-    # Where the tool strikes in the tick of its flight, a sweep that has to wait is felt.
+    # Where the tool strikes in the tick of its flight, a sweep that has to wait is felt. The plan has not seen that: whether
+    # its units suffice there is chance, so the setting is tried without a bound and with one that is too small.
     sed "s/\"sweep_budget\": $units/\"sweep_budget\": 1/" flights.json >few.json
     to_and_fro 3000 'row(0.06)
         for (i = 0; i < 60; i++) row(0.0405, 0.0005 * sin(0.05 * i))
         row(0.06)' >strikes.csv
-    holds 'strikes' --plan flights.json strikes.csv
+    run replay --plan unlimited.json --json strikes.csv
+    check "strikes, each swept at once: $(cat stdout)" python3 -c '
+import json
+assert json.load(open("stdout"))["force_error"] == 0' 2>python.log
     breaks 'too few' force --plan few.json strikes.csv
     edited '"sweep_budget": 0' '"sweep_budget": -1'
     refuses 'no units' 'edited.json: setting.sweep_budget: must be 0 to 4294967295; it is -1' replay --plan edited.json

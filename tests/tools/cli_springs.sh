@@ -49,7 +49,7 @@ refusals()
     refuses 'no stiffness' '--young must be 0 to 1e+12, and not 0' compile box.ply -o out/x --springs sheet --young 0
     refuses 'an open mesh' 'membrane.ply: no part of the mesh is closed' compile membrane.ply -o out/x --springs volume
     succeeds "--poisson" compile box.ply -o bulging.dpa --springs volume --spacing 0.02 --poisson 0.45
-    succeeds 'info of it' info bulging.dpa
+    succeeds 'info of it' info bulging.dpa --sections
     check 'info: the ratio' grep -q "Poisson's ratio 0.45" stdout
     check 'info: the cells' grep -q 'section cell_nodes' stdout
     refuses 'a ratio that is too large' '--poisson must be 0.1 to 0.45' compile box.ply -o out/x --springs volume --poisson 0.5
