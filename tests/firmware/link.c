@@ -221,14 +221,20 @@ static void a_cut_on_the_way_there_trips_the_watchdog(void)
     CHECK(go_on(1.5, is_fault), "no fault");
     CHECK(state.reasons == DPT_REASON_WATCHDOG, "%u", state.reasons);
     out_line = GOOD;
-    /* It stays, whatever is written, and there is no force: the hand pulls back to the middle. */
+    /*
+     * It stays, whatever is written, and there is no force: the hand pulls back to the middle. On a busy machine the limit
+     * of silence may end the link besides.
+     */
+    int faults = 0;
     for (int i = 0; i < 1000; i++) {
         const dpt_wrench wrench = { { 1.5, 0, 0 }, { 0, 0, 0 } };
-        const dpt_result written = dpt_device_write(device, &wrench);
-        CHECK(written == DPT_E_NOT_READY, "%d", written);
-        CHECK(dpt_device_read(device, &state) == DPT_OK && state.status == DPT_DEVICE_STATUS_FAULT, "%u", state.status);
+        const dpt_result written = dpt_device_write(device, &wrench), read = dpt_device_read(device, &state);
+        CHECK(written == DPT_E_NOT_READY || written == DPT_E_LOST, "%d", written);
+        CHECK((read == DPT_OK && is_fault()) || (read == DPT_E_LOST && is_lost()), "%d, %u", read, state.status);
+        faults += is_fault();
         pause_ms(1);
     }
+    CHECK(faults >= 100, "a fault on %d of 1000", faults);
     CHECK(fabs(state.pose.position[0]) < 1e-4, "at %g m", state.pose.position[0]);
     CHECK(dpt_device_clear(device) == DPT_OK, "clear");
     CHECK(go_on(1.5, is_settled), "at %g m", state.pose.position[0]);
