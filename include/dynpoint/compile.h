@@ -65,7 +65,10 @@ enum {
 };
 enum { DPT_REGION_BOX = 1, DPT_REGION_SPHERE = 2 };
 
-/* Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame, moved if that is. Its size is final. */
+/*
+ * Where the body is of another material, or fixed. Lengths in m, in the compiled mesh's frame, moved if that is. Its size is
+ * final.
+ */
 typedef struct dpt_spring_region {
     uint32_t kind;  /* DPT_REGION_... */
     uint32_t fixed; /* 1: nodes in it do not move, and young, density and drag are not read; else 0 */

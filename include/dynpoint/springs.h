@@ -83,8 +83,11 @@ static inline void dpt_springs_def_init(dpt_springs_def *def)
     dpt_springs_def_defaults(def, sizeof *def);
 }
 
-/* The bytes that springs of this def need, in this version: about 190 a node, 160 more where cells
- * have a term for their volume, 120 more with IMPLICIT, 20 a vertex, and 32 for each of max_loads. 0: the def is not valid, or its mesh has no springs. It takes time in proportion to the mesh. */
+/*
+ * The bytes that springs of this def need, in this version: about 190 a node, 160 more where cells have a term for their
+ * volume, 120 more with IMPLICIT, 20 a vertex, and 32 for each of max_loads. 0: the def is not valid, or its mesh has no
+ * springs. It takes time in proportion to the mesh.
+ */
 DPT_API size_t dpt_springs_bytes(const dpt_springs_def *def);
 
 /*

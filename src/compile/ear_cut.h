@@ -3,8 +3,8 @@
  * Cut a polygon of a plane into triangles by its ears. A hole is a part of the polygon, joined to the rest by a bridge
  * that is run through in both directions (a keyhole). Edges may touch, and corners may repeat.
  *
- * No triangle is wound clockwise, but for rounding. The polygon is the sum of its triangles' borders, so each point is in as many triangles
- * as the polygon winds about it: once within a polygon that does not cross itself, never outside.
+ * No triangle is wound clockwise, but for rounding. The polygon is the sum of its triangles' borders, so each point is in
+ * as many triangles as the polygon winds about it: once within a polygon that does not cross itself, never outside.
  */
 #ifndef DPT_COMPILE_EAR_CUT_H
 #define DPT_COMPILE_EAR_CUT_H
