@@ -17,7 +17,7 @@
 #include "firmware/emulator.h"
 #include "firmware/meter.h"
 #include "lib/check.h"
-#include "lib/child.h"
+#include "lib/plug.h"
 
 /* Of pressed.elf (run.sh), ms. */
 enum { PERIOD = 4, WATCHDOG = 500 };
@@ -27,34 +27,23 @@ enum { GUARDED_MAX = 5 };
 
 enum { COMMANDS_CUT, SAMPLES_CUT, LINE_CUT, UNPLUGGED, KILLED, STOPPED, INTERRUPTED, NO_POWER, KINDS };
 
-static const struct {
-    const char *name;
-    int ends; /* by itself; else it goes on without force until it is interrupted */
-    int status;
-    const char *says;
-} kinds[KINDS] = {
-    [COMMANDS_CUT] = { "commands cut", 0, 2, "(watchdog), and gave no force" },
-    [SAMPLES_CUT] = { "samples cut", 1, 2, "the device is gone" },
-    [LINE_CUT] = { "line cut", 1, 2, "the device is gone" },
-    [UNPLUGGED] = { "unplugged", 1, 2, "the device is gone" },
-    [KILLED] = { "host killed", 1, 128 + SIGKILL, "" },
-    [STOPPED] = { "host stopped", 0, 2, "(watchdog), and gave no force" },
-    [INTERRUPTED] = { "host interrupted", 1, 0, "ticks, in contact on" },
-    [NO_POWER] = { "firmware without power", 1, 2, "the device is gone" },
+static struct plug_kind kinds[KINDS] = {
+    [COMMANDS_CUT] = { "commands cut", 1, 2, "(watchdog), and gave no force" },
+    [SAMPLES_CUT] = { "samples cut", 0, 2, "the device is gone" },
+    [LINE_CUT] = { "line cut", 0, 2, "the device is gone" },
+    [UNPLUGGED] = { "unplugged", 0, 2, "the device is gone" },
+    [KILLED] = { "host killed", 0, 128 + SIGKILL, "" },
+    [STOPPED] = { "host stopped", 1, 2, "(watchdog), and gave no force" },
+    [INTERRUPTED] = { "host interrupted", 0, 0, "ticks, in contact on" },
+    [NO_POWER] = { "firmware without power", 0, 2, "the device is gone" },
 };
-
-/* What came of the pulls of a kind. */
-static struct seen {
-    unsigned pulls, running, pushing, guarded;
-    uint32_t longest; /* ms from the pull to the end of the force */
-} seen[KINDS];
 
 static char **qemu;
 static const char *safe_device, *scene, *meter_path;
 static uint64_t seed = 1;
 static unsigned long pulls;
 static struct emulator firmware;
-static struct child host;
+static struct plug plug;
 static char ours[64];
 static struct relay_way out, back; /* to the firmware, from it */
 static int is_cut[2];              /* of out, of back */
@@ -145,7 +134,7 @@ static int relay_for(double seconds, int (*enough)(void))
 
 static int has_ended(void)
 {
-    return child_has_ended(&host);
+    return child_has_ended(&plug.host);
 }
 
 /* A while after the force has ended: the watchdog's time is over too. */
@@ -204,29 +193,8 @@ static void pull(int kind)
         power_off();
         break;
     default:
-        kill(host.process, kind == KILLED ? SIGKILL : kind == STOPPED ? SIGSTOP : SIGINT);
+        plug_signal(&plug, &kinds[kind]);
     }
-}
-
-/* How the host ends after a pull, and what it says then. */
-static void check_end(int kind, int was_running)
-{
-    if (kind == STOPPED)
-        kill(host.process, SIGCONT);
-    if (!kinds[kind].ends || !was_running) {
-        /* It finds a fault that stays, on a busy machine a while later, and no force comes back. */
-        relay_for(1.0, has_ended);
-        CHECK(!was_running || !is_pushing(), "the force comes back");
-        kill(host.process, SIGINT);
-    }
-    const int ended = relay_for(10.0, has_ended);
-    child_end(&host, 1.0);
-    CHECK(ended, "%s: it does not end", kinds[kind].name);
-    /* On a busy machine samples may be late besides. */
-    const int is_lost = host.status == 2 && strstr(host.text, "the device is gone");
-    CHECK(!was_running || (host.status == kinds[kind].status && strstr(host.text, kinds[kind].says)) ||
-              (!kinds[kind].ends && is_lost),
-          "%s: status %d, '%s'", kinds[kind].name, host.status, host.text);
 }
 
 /*
@@ -240,23 +208,19 @@ static int run_host(int must_push)
     plug_in();
     snprintf(device, sizeof device, "serial:%s?answer=5&silent=1&mass=0.1&damping=5&delay=0.008", ours);
     memset(&line, 0, sizeof line);
-    CHECK(child_start(&host, words), "%s does not start", safe_device);
+    CHECK(child_start(&plug.host, words), "%s does not start", safe_device);
     relay_for(random_in(&seed, 0.0, 1.6), has_ended);
     if (must_push)
         relay_for(3.0, is_pushing);
     if (!has_ended() && (!line.commands || meter.last.status == WIRE_STATUS_READY))
         return 1;
-    kill(host.process, SIGINT);
-    child_end(&host, 5.0);
-    CHECK(host.status == 0 || (host.status == 2 && host.text[0]), "it ends before the plug is pulled: %d, %s",
-          host.status, host.text);
+    plug_give_up(&plug);
     close(out.from);
     return 0;
 }
 
 static void pull_once(int kind)
 {
-    struct seen *of = &seen[kind];
     const int was_running = line.commands > 0, was_pushing = is_pushing();
     const uint32_t pulled_ms = meter.last.ms;
     const unsigned commands = line.commands;
@@ -270,49 +234,28 @@ static void pull_once(int kind)
     if (was_running && (kind == SAMPLES_CUT || kind == INTERRUPTED))
         CHECK(line.force == 0.0 && line.answered <= GUARDED_MAX,
               "%s: the last command is %g N, %u of the last have a force", kinds[kind].name, line.force, line.answered);
-    if (kind == SAMPLES_CUT && line.answered > of->guarded)
-        of->guarded = line.answered;
+    const unsigned guarded = kind == SAMPLES_CUT ? line.answered : 0;
     if (kind == COMMANDS_CUT || kind == LINE_CUT || kind == UNPLUGGED)
         CHECK(line.commands == commands, "%s: a command passes", kinds[kind].name);
-    check_end(kind, was_running);
-    of->pulls++;
-    of->running += (unsigned)was_running;
-    of->pushing += (unsigned)was_pushing;
-    if (kind != NO_POWER && was_pushing && meter.zero_ms - pulled_ms > of->longest)
-        of->longest = meter.zero_ms - pulled_ms;
+    plug_check_end(&plug, &kinds[kind], was_running);
+    plug_note(&kinds[kind], was_running, was_pushing, kind != NO_POWER && was_pushing ? meter.zero_ms - pulled_ms : 0,
+              guarded);
     if (out.from >= 0)
         close(out.from);
     if (kind == NO_POWER)
         CHECK(power_on(), "the firmware does not start again");
 }
 
-static void print_seen(void)
-{
-    for (int kind = 0; kind < KINDS; kind++) {
-        const struct seen *of = &seen[kind];
-        printf("    %s: %u pulls, %u of them as it ran, %u with a force", kinds[kind].name, of->pulls, of->running,
-               of->pushing);
-        if (of->pushing && kind != NO_POWER)
-            printf(": gone within %u ms", (unsigned)of->longest);
-        if (of->guarded)
-            printf(", after %u commands", of->guarded);
-        putchar('\n');
-    }
-}
-
 static void the_force_ends_when_the_plug_is_pulled(void)
 {
-    unsigned pushing = 0;
-    unsigned long done = 0;
-    for (unsigned long i = 0; done < pulls && i < 3 * pulls && !check_bad; i++)
-        if (run_host(done / KINDS % 2 == 1))
-            pull_once((int)(done++ % KINDS));
-    print_seen();
-    for (int kind = 0; kind < KINDS; kind++)
-        pushing += seen[kind].pushing;
-    CHECK(check_bad || 4 * pushing >= done, "only %u of %lu pulls were with a force", pushing, done);
-    if (done < pulls)
-        SKIP("some pulls of the plug", "this machine is busy: the firmware's watchdog ended the force before");
+    plug = (struct plug){ .kinds = kinds,
+                          .kind_count = KINDS,
+                          .wait_for = relay_for,
+                          .has_ended = has_ended,
+                          .is_pushing = is_pushing,
+                          .patience = 10.0,
+                          .busy = "this machine is busy: the firmware's watchdog ended the force before" };
+    plug_pull_all(&plug, pulls, run_host, pull_once);
 }
 
 int main(int argc, char **argv)

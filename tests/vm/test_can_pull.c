@@ -16,7 +16,7 @@
 
 #include "lib/arm_bytes.h"
 #include "lib/check.h"
-#include "lib/child.h"
+#include "lib/plug.h"
 #include "simulate/sim_clock.h"
 #include "simulate/simulate_can.h"
 #include "vm/net.h"
@@ -32,31 +32,21 @@ enum { GUARDED_MAX = 10 };
 
 enum { DOWN, AWAY, SILENT, NO_POWER, KILLED, STOPPED, INTERRUPTED, KINDS };
 
-static const struct {
-    const char *name;
-    int status;
-    const char *says;
-} kinds[KINDS] = {
-    [DOWN] = { "interface down", 2, "the device is gone" },
-    [AWAY] = { "interface away", 2, "the device is gone" },
-    [SILENT] = { "a controller silent", 2, "the device is gone" },
-    [NO_POWER] = { "controllers without power", 2, "the device is gone" },
-    [KILLED] = { "host killed", 128 + SIGKILL, "" },
-    [STOPPED] = { "host stopped", 2, "and gave no force" },
-    [INTERRUPTED] = { "host interrupted", 0, "ticks, in contact on" },
+static struct plug_kind kinds[KINDS] = {
+    [DOWN] = { "interface down", 0, 2, "the device is gone" },
+    [AWAY] = { "interface away", 0, 2, "the device is gone" },
+    [SILENT] = { "a controller silent", 0, 2, "the device is gone" },
+    [NO_POWER] = { "controllers without power", 0, 2, "the device is gone" },
+    [KILLED] = { "host killed", 0, 128 + SIGKILL, "" },
+    [STOPPED] = { "host stopped", 1, 2, "and gave no force" },
+    [INTERRUPTED] = { "host interrupted", 0, 0, "ticks, in contact on" },
 };
-
-/* What came of the pulls of a kind. */
-static struct seen {
-    unsigned pulls, running, pushing;
-    uint64_t longest, guarded; /* ticks from the pull to the end of the force; torques until then */
-} seen[KINDS];
 
 static const char bus_name[] = "vcan3";
 static char safe_device[256], arm_path[64], scene_path[64], where[256];
 static unsigned long pulls = 7;
 static uint64_t seed = 1;
-static struct child host;
+static struct plug plug;
 static struct simulate_can nodes;
 static pthread_t thread;
 static volatile int stop;
@@ -142,7 +132,7 @@ static int wait_for(double seconds, int (*enough)(void))
 
 static int has_ended(void)
 {
-    return child_has_ended(&host);
+    return child_has_ended(&plug.host);
 }
 
 static int is_pushing(void)
@@ -180,7 +170,7 @@ static void pull(int kind)
         power_off();
         break;
     default:
-        kill(host.process, kind == KILLED ? SIGKILL : kind == STOPPED ? SIGSTOP : SIGINT);
+        plug_signal(&plug, &kinds[kind]);
     }
 }
 
@@ -194,27 +184,6 @@ static void bring_back(int kind)
         CHECK(net_up(bus_name) == 0, "up");
 }
 
-/* How the host ends after a pull, and what it says then. */
-static void check_end(int kind, int was_running)
-{
-    if (kind == STOPPED)
-        kill(host.process, SIGCONT);
-    if (kind == STOPPED || !was_running) {
-        /* It finds a fault that stays, on a busy machine a while later, and no force comes back. */
-        wait_for(was_running ? 1.0 : 2.0, has_ended);
-        CHECK(!was_running || !is_pushing(), "the force comes back");
-        kill(host.process, SIGINT);
-    }
-    const int ended = wait_for(20.0, has_ended);
-    child_end(&host, 5.0);
-    CHECK(ended, "%s: it does not end", kinds[kind].name);
-    /* On a busy machine samples may be late besides. */
-    const int is_lost = host.status == 2 && strstr(host.text, "the device is gone");
-    CHECK(!was_running || (host.status == kinds[kind].status && strstr(host.text, kinds[kind].says)) ||
-              (kind == STOPPED && is_lost),
-          "%s: status %d, '%s'", kinds[kind].name, host.status, host.text);
-}
-
 /*
  * safe_device begins, and runs for a random time, and until it pushes if it must. 0: the machine is so busy that it could not
  * open the arm, or controllers have stopped themselves before.
@@ -225,26 +194,23 @@ static int run_host(int must_push)
     char *const words[] = { safe_device, scene_path, name, NULL };
     snprintf(name, sizeof name, "can:%s", where);
     CHECK(power_on(), "no thread");
-    CHECK(child_start(&host, words), "%s does not start", safe_device);
+    CHECK(child_start(&plug.host, words), "%s does not start", safe_device);
     wait_for(random_in(&seed, 0.0, 3.0), has_ended);
     if (must_push)
         wait_for(5.0, is_pushing);
     const struct meter now = read_meter();
     if (!has_ended() && (now.torques == 0 || now.is_closed))
         return 1;
-    kill(host.process, SIGINT);
-    child_end(&host, 20.0);
+    plug_give_up(&plug);
     power_off();
-    CHECK(host.status == 0 || (host.status == 2 && host.text[0]), "it ends before the plug is pulled: %d, %s",
-          host.status, host.text);
     return 0;
 }
 
 static void pull_once(int kind)
 {
-    struct seen *of = &seen[kind];
     const struct meter before = read_meter();
     const int was_running = before.is_closed && before.torques > 0;
+    unsigned ms = 0, guarded = 0;
     pull(kind);
     if (kind != NO_POWER)
         CHECK(wait_for(20.0, has_rested), "%s: it pushes", kinds[kind].name);
@@ -252,46 +218,27 @@ static void pull_once(int kind)
     if (kind != NO_POWER && before.is_pushing) {
         CHECK((int64_t)(after.zero_tick - after.torque_tick) <= WATCHDOG * RATE + 2,
               "%s: a torque %d ticks after the last", kinds[kind].name, (int)(after.zero_tick - after.torque_tick));
-        of->longest = after.zero_tick - before.tick > of->longest ? after.zero_tick - before.tick : of->longest;
+        ms = (unsigned)(1000 * (after.zero_tick - before.tick) / RATE);
     }
     if (kind == SILENT) {
-        CHECK(after.pushed - before.pushed <= GUARDED_MAX, "%u torques", (unsigned)(after.pushed - before.pushed));
-        of->guarded = after.pushed - before.pushed > of->guarded ? after.pushed - before.pushed : of->guarded;
+        guarded = (unsigned)(after.pushed - before.pushed);
+        CHECK(guarded <= GUARDED_MAX, "%u torques", guarded);
     }
-    check_end(kind, was_running);
+    plug_check_end(&plug, &kinds[kind], was_running);
     bring_back(kind);
-    of->pulls++;
-    of->running += (unsigned)was_running;
-    of->pushing += (unsigned)before.is_pushing;
-}
-
-static void print_seen(void)
-{
-    for (int kind = 0; kind < KINDS; kind++) {
-        const struct seen *of = &seen[kind];
-        printf("    %s: %u pulls, %u of them as it ran, %u with a force", kinds[kind].name, of->pulls, of->running,
-               of->pushing);
-        if (of->pushing && kind != NO_POWER)
-            printf(": gone within %u ms", (unsigned)(1000 * of->longest / RATE));
-        if (of->guarded)
-            printf(", after %u torques", (unsigned)of->guarded);
-        putchar('\n');
-    }
+    plug_note(&kinds[kind], was_running, before.is_pushing, ms, guarded);
 }
 
 static void the_force_ends_when_the_plug_is_pulled(void)
 {
-    unsigned pushing = 0;
-    unsigned long done = 0;
-    for (unsigned long i = 0; done < pulls && i < 3 * pulls && !check_bad; i++)
-        if (run_host(done % 2 == 0))
-            pull_once((int)(done++ % KINDS));
-    print_seen();
-    for (int kind = 0; kind < KINDS; kind++)
-        pushing += seen[kind].pushing;
-    CHECK(check_bad || 4 * pushing >= done, "only %u of %lu pulls were with a force", pushing, done);
-    if (done < pulls)
-        SKIP("some pulls of the plug", "this machine is busy: the controllers' watchdogs ended the force before");
+    plug = (struct plug){ .kinds = kinds,
+                          .kind_count = KINDS,
+                          .wait_for = wait_for,
+                          .has_ended = has_ended,
+                          .is_pushing = is_pushing,
+                          .patience = 20.0,
+                          .busy = "this machine is busy: the controllers' watchdogs ended the force before" };
+    plug_pull_all(&plug, pulls, run_host, pull_once);
 }
 
 int main(int argc, char **argv)
