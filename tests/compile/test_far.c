@@ -5,24 +5,13 @@
 #include <math.h>
 
 #include "base/vec3.h"
+#include "compile/heard.h"
 #include "dynpoint/compile.h"
 #include "dynpoint/mesh.h"
 #include "scene/shape.h"
 #include "lib/check.h"
 
 static struct shape shape; /* a liver of 0.28 m, as it is made */
-
-struct heard {
-    int count;
-    dpt_diag last;
-};
-
-static void hear(void *user, const dpt_diag *note)
-{
-    struct heard *heard = user;
-    heard->count++;
-    heard->last = *note;
-}
 
 struct attempt {
     dpt_result result;

@@ -10,6 +10,7 @@
 
 #include <inttypes.h>
 
+#include "compile/heard.h"
 #include "compile/reading.h"
 
 static const char *golden = "tests/golden-bad";
@@ -28,22 +29,10 @@ static unsigned char *load(const char *name, size_t *size)
     return bytes;
 }
 
-typedef struct heard {
-    int count;
-    dpt_diag last;
-} heard;
-
-static void hear(void *user, const dpt_diag *note)
-{
-    heard *h = user;
-    h->count++;
-    h->last = *note;
-}
-
 /* Read, and hear what is noted. */
-static heard notes_of(uint32_t format, const void *bytes, size_t size, size_t triangles)
+static struct heard notes_of(uint32_t format, const void *bytes, size_t size, size_t triangles)
 {
-    heard h = { 0 };
+    struct heard h = { 0 };
     const dpt_compile_def def = { .size = sizeof def, .note = hear, .note_user = &h };
     reading r;
     read_bytes(&r, format, bytes, size, &def);
@@ -56,7 +45,7 @@ static void what_follows_an_stl_is_noted(void)
 {
     size_t size = 0;
     unsigned char *bytes = load("binary_trailing.stl", &size);
-    heard h = notes_of(DPT_FORMAT_STL, bytes, size, 1);
+    struct heard h = notes_of(DPT_FORMAT_STL, bytes, size, 1);
     CHECK(h.count == 1 && h.last.byte == 134 && h.last.line == 0 && h.last.code == DPT_OK &&
               strstr(h.last.text, "follow the 1 triangles"),
           "byte %" PRIu64 ": %s", h.last.byte, h.last.text);
@@ -78,7 +67,7 @@ static void axes_of_slicer_are_noted(void)
         "0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
     unsigned char binary[134] = "3D Slicer output. SPACE=LPS";
     binary[80] = 1;
-    heard h = notes_of(DPT_FORMAT_OBJ, obj, sizeof obj - 1, 1);
+    struct heard h = notes_of(DPT_FORMAT_OBJ, obj, sizeof obj - 1, 1);
     CHECK(h.count == 1 && h.last.byte == 20 && strstr(h.last.text, "SPACE=RAS, by 3D Slicer") &&
               strstr(h.last.text, "x to the patient's right"),
           "%s", h.last.text);

@@ -11,6 +11,7 @@
 
 #include "base/vec3.h"
 #include "compile/ear_cut.h"
+#include "compile/heard.h"
 #include "compile/reading.h"
 
 /* A polygon in its own plane. */
@@ -357,18 +358,6 @@ static int is_fan(const soup *source, uint32_t n)
         same =
             source->corners[3 * t] == 0 && source->corners[3 * t + 1] == t + 1 && source->corners[3 * t + 2] == t + 2;
     return same;
-}
-
-struct heard {
-    int count;
-    dpt_diag last;
-};
-
-static void hear(void *user, const dpt_diag *note)
-{
-    struct heard *heard = user;
-    heard->count++;
-    heard->last = *note;
 }
 
 /* Read a text and cut. */
