@@ -4,6 +4,10 @@
 # dynpoint-COMMAND.1 for each command.
 set -eu
 program=$1 folder=$2
+if ! "$program" --version >/dev/null 2>&1; then
+    echo "no manual pages: $program does not run on this machine"
+    exit
+fi
 mkdir -p "$folder"
 version=$("$program" --version | cut -d ' ' -f 2)
 
