@@ -21,11 +21,14 @@ LD ?= ld
 OBJCOPY ?= objcopy
 PYTHON ?= python3
 CFLAGS ?= -O3
+CXXFLAGS ?= $(CFLAGS)
 PREFIX ?= /usr/local
 BINDIR ?= $(PREFIX)/bin
 LIBDIR ?= $(PREFIX)/lib
 INCLUDEDIR ?= $(PREFIX)/include
 PKGCONFIGDIR ?= $(LIBDIR)/pkgconfig
+DATADIR ?= $(PREFIX)/share
+MANDIR ?= $(DATADIR)/man
 
 # The same bits everywhere. gcc 12's straight-line vectoriser fuses multiply and add in spite of
 # -ffp-contract=off where the target has FMA, so it stays off; tests/abi looks at the objects.
@@ -33,7 +36,7 @@ WARNINGS := -Wall -Wextra -Wshadow -Wconversion
 EXACT := -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize
 # Includes begin at these; those of drivers, program and tests at their own roots too.
 INCLUDES := -Iinclude -Isrc
-ALL_CFLAGS = -std=gnu99 $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA)
+ALL_CFLAGS = -std=gnu99 $(CPPFLAGS) $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA)
 
 ifeq ($(CONFIG),scalar)
 CONFIG_CFLAGS := -DDPT_SCALAR -fno-tree-vectorize
@@ -132,10 +135,12 @@ LEFT_OUT = $(if $(IS_SILENT),,$(call lacks,URDF,robots in URDF (urdfdom and a C+
 
 # For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
 CDEF := $(B)/include/dynpoint_cdef.h
+# The manual's pages are what the program says of itself: where it runs.
+MAN := $(if $(filter release,$(CONFIG)),$(B)/man/dynpoint.1)
 
 .PHONY: all amalgamation force demo test check check-view check-wasm check-page firmware vm bench charts pictures stability soak fuzz install uninstall help clean
 .SECONDARY:
-all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) ## the program and the libraries (default)
+all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) $(MAN) ## the program and the libraries (default)
 	@:; $(LEFT_OUT)
 
 $(B)/%.o: %.c
@@ -144,7 +149,7 @@ $(B)/%.o: %.c
 
 $(B)/%.o: %.cc
 	@mkdir -p $(@D)
-	$(CXX) -std=c++11 $(CFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
+	$(CXX) -std=c++11 $(CPPFLAGS) $(CXXFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
 $(B)/src/kernel/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
@@ -182,6 +187,8 @@ build/view/page.html: $(wildcard tools/view/page/*.js tools/view/page/*.html too
 endif
 
 # One object a library, its inner symbols local: a static library meets no one else's names.
+# With link-time optimization it ends here: whose names are local is a property of an object of machine code.
+JOIN = $(if $(findstring -flto,$(CFLAGS)),$(CC) $(CFLAGS) -r -nostdlib -flinker-output=nolto-rel,$(LD) -r)
 $(B)/libdynpoint.o: $(CORE)
 $(B)/libdynpoint_compile.o: $(COMPILE) $(TEXT)
 $(B)/libdynpoint_drivers.o: $(DRIVER_PARTS) $(TEXT)
@@ -190,12 +197,12 @@ $(B)/libdynpoint_convex.o: $(CONVEX_PARTS)
 HOST_PARTS := $(HOST) $(B)/drivers/loop_line.o $(B)/drivers/clock.o
 $(B)/libdynpoint_host.o: $(HOST_PARTS) $(TEXT)
 $(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o $(B)/libdynpoint_convex.o $(B)/libdynpoint_host.o:
-	$(LD) -r $^ -o $@
+	$(JOIN) $^ -o $@
 	$(OBJCOPY) --localize-hidden $@
 
 # What C++ shares among objects is local too: the library's name is all that is seen.
 $(B)/libdynpoint_urdf.o: $(URDF_PARTS)
-	$(LD) -r $^ -o $@
+	$(JOIN) $^ -o $@
 	$(OBJCOPY) --wildcard --keep-global-symbol='dpt_urdf_*' $@
 $(B)/libdynpoint_urdf.so.$(SOVERSION): private LDLIBS = $(URDF_LIBS)
 $(B)/libdynpoint_urdf.so.$(SOVERSION): $(URDF_PARTS) $(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint.so.$(SOVERSION)
@@ -225,6 +232,9 @@ $(B)/libdynpoint_host.so.$(SOVERSION): $(HOST_PARTS) $(TEXT) $(if $(CONVEX_PARTS
 $(B)/dynpoint: $(TOOLS) $(SIMULATE) $(HOST) $(URDF_PARTS) $(CONVEX_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(CONVEX_LIBS) $(JANSSON_LIBS) $(LWS_LIBS) -o $@
 
+$(B)/man/dynpoint.1: $(B)/dynpoint tools/packaging/man.sh
+	sh tools/packaging/man.sh $(B)/dynpoint $(@D)
+
 folders = $(subst $(empty) $(empty),$(comma),$(strip $1))
 $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cdef.sh
 	@mkdir -p $(@D)
@@ -233,10 +243,11 @@ $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cde
 	  libdynpoint_convex=src/convex libdynpoint_host=src/host
 
 amalgamation: $(B)/amalgamation/LICENSE ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
-$(B)/amalgamation/LICENSE: LICENSE tools/packaging/amalgamate.py $(wildcard include/*.h include/*/*.h $(FOLDERS:%=src/%/*.[ch]) src/compile/*.[ch] src/text/*.[ch])
+$(B)/amalgamation/LICENSE: LICENSE tools/packaging/amalgamate.py tools/packaging/cmake/CMakeLists.txt $(wildcard include/*.h include/*/*.h $(FOLDERS:%=src/%/*.[ch]) src/compile/*.[ch] src/text/*.[ch])
 	@rm -rf $(@D) && mkdir -p $(@D)
 	@$(PYTHON) -B tools/packaging/amalgamate.py $(@D) dynpoint=$(call folders,$(CORE:$(B)/%.o=%.c)) \
 	  dynpoint_compile=$(call folders,$(patsubst $(B)/%.o,%.c,$(COMPILE) $(TEXT)))
+	@cp tools/packaging/cmake/CMakeLists.txt $(@D)
 	@cp LICENSE $@
 
 demo: ## build, make a liver, slide a tool over it, and prove every answer
@@ -248,38 +259,15 @@ include src/bindings/wasm/wasm.mk
 include tools/page/page.mk
 include tests/tests.mk
 
-install: all ## into PREFIX, or DESTDIR and the directory variables
-	install -d "$(DESTDIR)$(BINDIR)" "$(DESTDIR)$(LIBDIR)" "$(DESTDIR)$(INCLUDEDIR)/dynpoint" "$(DESTDIR)$(PKGCONFIGDIR)"
-	install -m 755 $(B)/dynpoint "$(DESTDIR)$(BINDIR)"
-	install -m 644 include/dynpoint.h "$(DESTDIR)$(INCLUDEDIR)"
-	install -m 644 include/dynpoint/*.h "$(DESTDIR)$(INCLUDEDIR)/dynpoint"
-	install -m 644 $(CDEF) "$(DESTDIR)$(INCLUDEDIR)"
-	for lib in $(notdir $(LIBS)); do \
-	  install -m 644 $(B)/$$lib.a "$(DESTDIR)$(LIBDIR)" && \
-	  install -m 755 $(B)/$$lib.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)" && \
-	  ln -sf $$lib.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/$$lib.so" && \
-	  { echo 'libdir=$(LIBDIR)'; echo 'includedir=$(INCLUDEDIR)'; echo; \
-	    echo "Name: $$lib"; echo 'Description: line-shaped haptic tools against triangle meshes'; \
-	    echo 'Version: $(VERSION)'; echo 'Cflags: -I$${includedir}'; \
-	    case $$lib in \
-	      *_urdf) echo 'Requires: libdynpoint_compile'; echo 'Requires.private: urdfdom console_bridge expat';; \
-	      *_convex) echo 'Requires: libdynpoint'; echo 'Requires.private: ccd';; \
-      *_host) echo 'Requires: libdynpoint_drivers libdynpoint_compile'; \
-        echo 'Requires.private: $(if $(CONVEX_PARTS),libdynpoint_convex) $(if $(SCENE_FILE),jansson)';; \
-      *_*) echo 'Requires: libdynpoint';; esac; \
-	    echo "Libs: -L\$${libdir} -l$${lib#lib}"; \
-	    case $$lib in *_urdf) echo 'Libs.private: -lm -lstdc++';; *_drivers) echo 'Libs.private: -lm $(THREADS) $(DL)';; *_convex) echo 'Libs.private: -lm';; *_*) echo 'Libs.private: -lm $(THREADS)';; *) echo 'Libs.private: -lm';; esac; \
-	  } > "$(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc" || exit 1; \
-	done
+# What is installed, and where: tools/packaging/install.sh.
+INSTALL = DESTDIR='$(DESTDIR)' PREFIX='$(PREFIX)' BINDIR='$(BINDIR)' LIBDIR='$(LIBDIR)' INCLUDEDIR='$(INCLUDEDIR)' \
+  PKGCONFIGDIR='$(PKGCONFIGDIR)' DATADIR='$(DATADIR)' MANDIR='$(MANDIR)' VERSION='$(VERSION)' SOVERSION='$(SOVERSION)' \
+  LIBRARIES='$(notdir $(LIBS))' THREADS='$(THREADS)' DL='$(DL)' JANSSON='$(JANSSON)' CCD='$(CONVEX)' sh tools/packaging/install.sh
+install: ## what make has built, into PREFIX, or DESTDIR and the directory variables
+	@$(INSTALL) $(B)
 
-uninstall: ## what install put there
-	rm -f "$(DESTDIR)$(BINDIR)/dynpoint" "$(DESTDIR)$(INCLUDEDIR)/dynpoint.h" "$(DESTDIR)$(INCLUDEDIR)/$(notdir $(CDEF))"
-	rm -f $(patsubst include/%,"$(DESTDIR)$(INCLUDEDIR)"/%,$(wildcard include/dynpoint/*.h))
-	for lib in $(notdir $(LIBS)) libdynpoint_urdf libdynpoint_convex; do \
-	  rm -f "$(DESTDIR)$(LIBDIR)/$$lib.a" "$(DESTDIR)$(LIBDIR)/$$lib.so" "$(DESTDIR)$(LIBDIR)/$$lib.so.$(SOVERSION)" \
-	    "$(DESTDIR)$(PKGCONFIGDIR)/$$lib.pc"; \
-	done
-	-rmdir "$(DESTDIR)$(INCLUDEDIR)/dynpoint" 2>/dev/null
+uninstall: ## what the manifest of install lists
+	@$(INSTALL) --remove
 
 help: ## this list
 	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [CONVEX=no] [JANSSON=no] [LWS=no] [VIEW_PAGE=no]'

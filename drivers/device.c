@@ -8,6 +8,7 @@
 #include "built_with.h"
 #include "dynpoint/driver.h"
 #include "settings.h"
+#include "text/near_word.h"
 
 /* All reason bits that have a name. */
 static const uint32_t KNOWN_REASONS = 2u * DPT_REASON_DOCKED - 1u;
@@ -130,9 +131,11 @@ dpt_result dpt_device_open(const char *name, dpt_device **device, dpt_device_err
                                         "there is no driver '%.*s': settings follow a colon, as in %.*s:%.60s",
                                         (int)(length < 60 ? length : 60), name, (int)bare, name, name + bare),
                            &own, error);
-    return finish_open(
-        device_error(&own, DPT_E_UNSUPPORTED, "there is no driver '%.*s'", (int)(length < 60 ? length : 60), name),
-        &own, error);
+    struct near_word near = near_word_begin(name, length);
+    for (const dpt_driver *const *known = drivers; *known; known++)
+        near_word_try(&near, (*known)->name);
+    device_error(&own, DPT_E_UNSUPPORTED, "there is no driver '%.*s'", (int)(length < 60 ? length : 60), name);
+    return finish_open(device_error_meant(&own, DPT_E_UNSUPPORTED, near.word), &own, error);
 }
 
 dpt_result dpt_device_get_info(const dpt_device *device, dpt_device_info *info)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "text/near_word.h"
 #include "text/parse_number.h"
 
 /* The setting that every driver has: a file with more of them. */
@@ -21,6 +22,15 @@ dpt_result device_error(dpt_device_error *error, dpt_result code, const char *fo
         vsnprintf(error->text, sizeof error->text, format, arguments);
         va_end(arguments);
         error->code = code;
+    }
+    return code;
+}
+
+dpt_result device_error_meant(dpt_device_error *error, dpt_result code, const char *word)
+{
+    if (error && word) {
+        const size_t length = strlen(error->text);
+        snprintf(error->text + length, sizeof error->text - length, "; did you mean %s?", word);
     }
     return code;
 }
@@ -82,13 +92,21 @@ static dpt_result set_one(const struct known_settings *known, const char *at, co
     const size_t length = (size_t)((equals ? equals : end) - at);
     const struct setting *setting = equals ? find_setting(known->settings, known->count, at, length) : NULL;
     struct setting common[DYNAMICS_SETTINGS];
-    if (equals && !setting && known->dynamics) {
+    if (known->dynamics)
         dynamics_settings(known->dynamics, common);
+    if (equals && !setting && known->dynamics)
         setting = find_setting(common, DYNAMICS_SETTINGS, at, length);
-    }
     if (setting)
         return set_value(setting, equals + 1, end, error);
-    return device_error(error, DPT_E_SETTING, "no setting '%.*s'", (int)length, at);
+    struct near_word near = near_word_begin(at, length);
+    for (size_t i = 0; i < known->count; i++)
+        near_word_try(&near, known->settings[i].name);
+    for (size_t i = 0; known->dynamics && i < DYNAMICS_SETTINGS; i++)
+        near_word_try(&near, common[i].name);
+    if (near.word && !near.distance)
+        return device_error(error, DPT_E_SETTING, "the setting '%s' needs a value: %s=...", near.word, near.word);
+    device_error(error, DPT_E_SETTING, "no setting '%.*s'", (int)length, at);
+    return device_error_meant(error, DPT_E_SETTING, near.word);
 }
 
 static void override(double setting, double *reported)

@@ -54,6 +54,9 @@ dpt_result device_error(dpt_device_error *error, dpt_result code, const char *fo
 #endif
     ;
 
+/* Behind an error's text, unless it is NULL: the word that was probably meant, unless that is NULL. Returns `code`. */
+dpt_result device_error_meant(dpt_device_error *error, dpt_result code, const char *word);
+
 /*
  * A line "name=value" of a file of device dynamics or of settings. Blank lines and lines that begin with '#' are
  * skipped.

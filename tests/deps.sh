@@ -21,6 +21,7 @@ cross|178 MB|the same bits on AArch64, ARM and s390x|gcc-aarch64-linux-gnu libc6
 firmware|123 MB|a Cortex-M7 in an emulator|gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv
 view|234 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them; pictures|pkg-config libwebsockets-dev nodejs npm chromium webp
+build|26 MB|projects built with CMake; manual pages as they are shown|cmake groff
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
 wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs'
 

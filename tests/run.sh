@@ -112,6 +112,7 @@ else
     run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
     [ "$whole" = check ] || run "planted faults" sh tests/planted.sh build
     run "the libraries" env RELEASE="$release" sh tests/abi/check.sh build
+    run "CMake" sh tests/abi/cmake.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     command_line build
     command_line build/sanitize

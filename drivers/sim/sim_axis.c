@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "sim/sim_axis.h"
 
+#include <errno.h>
 #include <math.h>
 #include <string.h>
 
 #include "settings.h"
+#include "text/near_word.h"
 
 enum { POSITION, VELOCITY, CONSTANT, DECAYING, COLUMNS };
 
@@ -273,7 +275,14 @@ dpt_result sim_hand_open(struct sim_hand *hand, const char *script, double reach
         return DPT_OK;
     }
     hand->kind = HAND_TABLE;
-    return csv_table_read(&hand->table, script, &hand_format, error);
+    const dpt_result result = csv_table_read(&hand->table, script, &hand_format, error);
+    if (result != DPT_E_OPEN || errno != ENOENT || strpbrk(script, "./\\"))
+        return result;
+    struct near_word near = near_word_begin(script, strlen(script));
+    for (int i = 1; script_names[i]; i++)
+        near_word_try(&near, script_names[i]);
+    device_error(error, result, "there is no hand '%.60s', and no such file: hands are hold, press and wipe", script);
+    return device_error_meant(error, result, near.word);
 }
 
 void sim_hand_close(struct sim_hand *hand)

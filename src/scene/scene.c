@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "scene/scene.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,8 +183,13 @@ static dpt_result open_bodies(struct scene *scene, const struct scene_def *def, 
         return scene_bodies_of_file(&scene->bodies, path, def->file, &scene->file, error);
     }
     scene->bytes = load_bytes(path, &def->scene_bytes, &size, error);
-    if (!scene->bytes)
-        return error->code;
+    if (!scene->bytes) {
+        char told[256];
+        if (error->code != DPT_E_OPEN || errno != ENOENT || !scene_listed_is_meant(path))
+            return error->code;
+        scene_listed_tell(path, told, sizeof told);
+        return host_refuse(error, DPT_E_OPEN, "%s: there is no scene of this name, and no such file: %s", path, told);
+    }
     file_identity_add(&scene->file, scene->bytes, size);
     if (host_file_is_arm(scene->bytes, size)) {
         scene->arm = host_file_open_arm(path, scene->bytes, size, error);

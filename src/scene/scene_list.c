@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "scene/scene_list.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "dynpoint/springs.h"
+#include "text/near_word.h"
 
 #define UPRIGHT                                                                                                        \
     {                                                                                                                  \
@@ -137,4 +139,23 @@ const struct listed_scene *scene_listed(const char *name)
         if (!strcmp(scenes[i].name, name))
             return &scenes[i];
     return NULL;
+}
+
+int scene_listed_is_meant(const char *text)
+{
+    return text[0] && !strpbrk(text, "./\\");
+}
+
+void scene_listed_tell(const char *text, char *told, size_t bytes)
+{
+    struct near_word near = near_word_begin(text, strlen(text));
+    size_t length = 0;
+    for (int i = 0; i < SCENES; i++) {
+        near_word_try(&near, scenes[i].name);
+        if (length < bytes)
+            length +=
+                (size_t)snprintf(told + length, bytes - length, "%s%s", i ? ", " : "the scenes are ", scenes[i].name);
+    }
+    if (near.word && length < bytes)
+        snprintf(told + length, bytes - length, "; did you mean %s?", near.word);
 }

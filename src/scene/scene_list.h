@@ -6,6 +6,8 @@
 #ifndef DPT_SCENE_LIST_H
 #define DPT_SCENE_LIST_H
 
+#include <stddef.h>
+
 #include "dynpoint/compile.h"
 
 enum { LISTED_BODIES_MAX = 8 };
@@ -45,5 +47,11 @@ const char *scene_listed_name(uint32_t index);
 
 /* The scene of a name; NULL: there is none. */
 const struct listed_scene *scene_listed(const char *name);
+
+/* Whether a text that names no file was meant as a scene's name: it has neither a slash nor a point. */
+int scene_listed_is_meant(const char *text);
+
+/* For a text that is none: "the scenes are ...; did you mean ...?" */
+void scene_listed_tell(const char *text, char *told, size_t bytes);
 
 #endif

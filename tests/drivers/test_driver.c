@@ -209,7 +209,7 @@ static void settings_come_from_a_file(void)
         { "mass=heavy\n", ": line 1: mass: 'heavy' is not a number", DPT_E_SETTING },
         { "mass=1000\n", ": line 1: mass is not within", DPT_E_SETTING },
         { "settings=other\n", ": line 1: no setting 'settings'", DPT_E_SETTING },
-        { "mass\n", ": line 1: no setting 'mass'", DPT_E_SETTING },
+        { "mass\n", ": line 1: the setting 'mass' needs a value", DPT_E_SETTING },
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         const struct small_file bad = file_with(wrong[i].text);

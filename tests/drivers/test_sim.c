@@ -449,7 +449,7 @@ static void wrong_names_are_refused(void)
         { "mass=0", "", DPT_E_SETTING, "mass is not within" },
         { "mass=heavy", "", DPT_E_SETTING, "'heavy' is not a number" },
         { "mass=1e999", "", DPT_E_SETTING, "mass" },
-        { "mass", "", DPT_E_SETTING, "no setting 'mass'" },
+        { "mass", "", DPT_E_SETTING, "the setting 'mass' needs a value: mass=..." },
         { "weight=1", "", DPT_E_SETTING, "no setting 'weight'" },
         { "mass=1&", "", DPT_E_SETTING, "no setting ''" },
         { "dofs=4", "", DPT_E_SETTING, "dofs is 3 or 6" },

@@ -195,7 +195,7 @@ json()
         check "replay --strip $strip: $(tail -n 1 python.log)" has_keys replay.json strips.ticks \
             strips.median strips.p99 strips.max strips.full
     done
-    refuses 'a strip that there is not' '--strip takes shadow or routes' \
+    refuses 'a strip that there is not' "--strip: 'line' is none of none, shadow, routes" \
         replay torus.dpa torus.csv -o out/o.csv --strip line
 }
 

@@ -292,7 +292,7 @@ faults()
     refuses 'standard output' '-o takes a name' chart star.dpa -o -
     refuses 'onto its trace' 'star.trace.csv: it is an input too' chart star.dpa star.trace.csv -o star.trace
     refuses 'no repeats' '--repeats must be' chart star.dpa --repeats 0 -o out/x
-    refuses 'no such stage' '--until takes' chart star.dpa --until never -o out/x
+    refuses 'no such stage' "--until: 'never' is none of respond, track, contact" chart star.dpa --until never -o out/x
     refuses 'a tip without a force' 'tip.json: nothing feels it with --until contact' chart tip.json --until contact -o out/x
     refuses 'no passes' '--passes must be' chart star.dpa --passes 0 -o out/x
     refuses 'unknown option' --frob chart --frob

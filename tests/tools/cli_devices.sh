@@ -34,7 +34,7 @@ listing()
     check 'device list names replay' grep -q '^replay ' stdout
     check 'device list names openhaptics' grep -q '^openhaptics ' stdout
     refuses 'no such driver' 'nothing' device watch nothing
-    refuses 'no such verb' 'is needed' device look sim
+    refuses 'no such verb' "'look' is none of list, watch" device look sim
     refuses 'nothing else is simulated' 'only serial and can:' device simulate can
     refuses 'an arm is needed' 'arm=FILE' device simulate 'can:vcan0?gear=8,8,8'
     refuses 'an arm is needed' 'arm=FILE' run torus.dpa --device 'can:can0'

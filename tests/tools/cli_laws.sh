@@ -127,7 +127,7 @@ refusals()
         refuses "run --$option" "--${option%%:*}" run box.dpa --device sim --ticks 5 --"${option%%:*}" "${option#*:}"
     done
     refuses 'friction of a point' '--friction and --damping' replay box.dpa box.csv -o out/x --law point --friction 0.1
-    refuses 'run --law' '--law takes' run box.dpa --device sim --ticks 5 --law soft
+    refuses 'run --law' "is none of point, bed, proxy" run box.dpa --device sim --ticks 5 --law soft
     refuses 'force-test alone' 'dynpoint force-test: ' force-test
     refuses 'force-test: unknown option' --frob force-test --frob
     refuses 'force-test: no such file' none.dpa force-test none.dpa

@@ -301,7 +301,7 @@ units()
     notes 'metres taken for micrometres' 'which unit is it in?' compile far.obj -o far.dpa
     refuses 'two scales' '--unit and --scale' compile mm.obj -o out/x --unit mm --scale 0.001
     for value in '' MM inch 0.001; do
-        refuses "--unit '$value'" "--unit: '$value' is not mm, cm, m or in" compile mm.obj -o out/x --unit "$value"
+        refuses "--unit '$value'" "--unit: '$value' is none of mm, cm, m, in" compile mm.obj -o out/x --unit "$value"
     done
     notes 'a radius in metres' '' replay box.dpa box.csv -o o.csv --radius 0.08 --strip-width 0.08
     for option in --radius --strip-width; do

@@ -15,5 +15,5 @@ done
 run replay liver.dpr membrane
 check "a replay with another scene: exit $status" test $status -eq 2
 check "is told: $(cat stderr)" grep -q 'membrane: this is another scene than the recording' stderr
-refuses 'a scene that is not there' 'livre: cannot be opened' run livre --device sim --ticks 5
+refuses 'a scene that is not there' 'livre: there is no scene of this name, and no such file' run livre --device sim --ticks 5
 finish

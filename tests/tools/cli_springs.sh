@@ -42,7 +42,7 @@ wrong()
 
 refusals()
 {
-    refuses 'a kind' "--springs: 'lattice' is not sheet or volume" compile box.ply -o out/x --springs lattice
+    refuses 'a kind' "--springs: 'lattice' is none of sheet, volume" compile box.ply -o out/x --springs lattice
     refuses 'without' '--young needs --springs' compile box.ply -o out/x --young 5000
     refuses 'files without' '--fixed needs --springs' compile box.ply -o out/x --fixed fixed
     refuses 'of another kind' '--thickness is not for --springs volume' compile box.ply -o out/x --springs volume --thickness 1

@@ -53,7 +53,6 @@ usage_errors()
         radius:1e7:1e6 strip-width:1e7:1e6 dt:1e7:1e6 every:-1 every:1.5 every:20:against budget:-1 budget:1.5 budget:4294967296 budget:few method:guess law:soft law:2 against:guess until:lunch kernel:abacus; do
         name=${pair%%:*} value=${pair#*:}
         expected=$name
-        [ "$name" = against ] && expected=method
         [ "$value" = "${value#*:}" ] || expected=${value#*:}
         refuses "replay --$pair" "$expected" \
             replay box.dpa box.csv -o out/x --"$name" "${value%%:*}"

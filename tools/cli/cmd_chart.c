@@ -205,10 +205,7 @@ static int check_request(struct chart_request *request)
         return complain("chart", "--ticks must be %d to %d", TICKS_MIN, TICKS_MAX);
     if (request->passes < 1 || request->passes > PASSES_MAX)
         return complain("chart", "--passes must be 1 to %d", PASSES_MAX);
-    const int until = word_index(request->until, until_words);
-    if (until < 0)
-        return complain("chart", "--until takes track, contact or respond");
-    request->last = parts[until];
+    request->last = parts[word_index(request->until, until_words)];
     if (request->repeats < 1 || request->repeats > CHART_REPEATS_MAX)
         return complain("chart", "--repeats must be 1 to %d", CHART_REPEATS_MAX);
     if (!(stiffness >= 0.0 && stiffness <= 1e9))
@@ -241,22 +238,22 @@ int command_chart(int argc, char **argv)
     const char *operand[2] = { NULL, NULL };
     size_t operands;
     struct scene scene;
-    const struct option_def options[] = { { .name = "-o", .text = &request.name },
+    const struct option_def options[] = { { .name = "-o", .text = &request.name, .kind = VALUE_FILE },
                                           { .name = "--ticks", .count = &request.ticks },
                                           { .name = "--seed", .count = &request.seed },
                                           { .name = "--length", .number = &request.scene.length },
                                           { .name = "--radius", .number = &request.scene.radius },
-                                          { .name = "--tool", .text = &request.scene.tool },
+                                          { .name = "--tool", .text = &request.scene.tool, .kind = VALUE_FILE },
                                           { .name = "--stiffness", .number = &request.scene.force.stiffness },
                                           { .name = "--friction", .number = &request.scene.force.friction },
-                                          { .name = "--until", .text = &request.until },
+                                          { .name = "--until", .text = &request.until, .words = until_words },
                                           { .name = "--passes", .count = &request.passes },
                                           { .name = "--repeats", .count = &request.repeats },
-                                          { .name = "--peers", .text = &request.peers },
+                                          { .name = "--peers", .text = &request.peers, .kind = VALUE_FILE },
                                           { .name = "--title", .text = &request.title } };
     scene_def_init(&request.scene, "chart");
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               operand, 2, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_SCENE }, { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);
     if (status >= 0)
         return status;
     if (!operands || !request.name)

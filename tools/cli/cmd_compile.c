@@ -337,15 +337,15 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
     struct spring_options *springs = &settings->springs;
     *settings = (struct compile_settings){ .scale = NAN, .crease = 60.0, .threads = 1 };
     spring_options_init(springs);
-    const struct option_def options[] = { { .name = "-o", .text = &settings->out },
+    const struct option_def options[] = { { .name = "-o", .text = &settings->out, .kind = VALUE_FILE },
                                           { .name = "-j", .count = &settings->threads },
-                                          { .name = "--unit", .text = &settings->unit },
+                                          { .name = "--unit", .text = &settings->unit, .words = unit_words },
                                           { .name = "--scale", .number = &settings->scale },
                                           { .name = "--crease", .number = &settings->crease },
                                           { .name = "--recentre", .flag = &settings->recentre },
                                           { .name = "--c-array", .text = &settings->array },
-                                          { .name = "--nodes", .text = &settings->nodes },
-                                          { .name = "--springs", .text = &springs->kind },
+                                          { .name = "--nodes", .text = &settings->nodes, .kind = VALUE_FILE },
+                                          { .name = "--springs", .text = &springs->kind, .words = spring_kinds },
                                           { .name = "--young", .number = &springs->young },
                                           { .name = "--density", .number = &springs->density },
                                           { .name = "--drag", .number = &springs->drag },
@@ -354,14 +354,14 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
                                           { .name = "--bending", .number = &springs->bending },
                                           { .name = "--spacing", .number = &springs->spacing },
                                           { .name = "--poisson", .number = &springs->poisson },
-                                          { .name = "--regions", .text = &springs->regions_path },
-                                          { .name = "--fixed", .text = &springs->fixed_path },
+                                          { .name = "--regions", .text = &springs->regions_path, .kind = VALUE_FILE },
+                                          { .name = "--fixed", .text = &springs->fixed_path, .kind = VALUE_FILE },
                                           { .name = "--tool", .text = &settings->arm.tool },
-                                          { .name = "--packages", .text = &settings->arm.packages },
+                                          { .name = "--packages", .text = &settings->arm.packages, .kind = VALUE_FILE },
                                           { .name = "--skip", .texts = &settings->arm.skip },
                                           { .name = "--without-scene", .flag = &settings->arm.without_scene } };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               &settings->in, 1, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), &settings->in, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1 || !settings->out)
@@ -384,8 +384,6 @@ static int check_settings(struct compile_settings *settings)
         return complain("compile", "-j must be 1 or more");
     if (unit && !isnan(settings->scale))
         return complain("compile", "--unit and --scale say the same: give one of them");
-    if (unit && !(unit_metres(unit) > 0.0))
-        return complain("compile", "--unit: '%s' is not mm, cm, m or in", unit);
     if (isnan(settings->scale))
         settings->scale = unit ? unit_metres(unit) : 1.0;
     if (!(settings->scale > 0.0 && settings->scale <= 1e30))

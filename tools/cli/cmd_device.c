@@ -220,15 +220,17 @@ int command_device(int argc, char **argv)
     size_t operands;
     const struct option_def options[] = {
         { .name = "--for", .number = &seconds },  { .name = "--swing", .number = &swing },
-        { .name = "--move", .flag = &may_move },  { .name = "-o", .text = &output },
+        { .name = "--move", .flag = &may_move },  { .name = "-o", .text = &output, .kind = VALUE_FILE },
         { .name = "--button", .count = &button }, { .name = "--json", .flag = &json }
     };
     static const char *const verbs[] = { "list", "watch", "selftest", "simulate", "identify", NULL };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               operand, 2, &operands);
+    static const struct operand_def taken[] = { { .words = verbs }, { .kind = VALUE_DEVICE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);
     if (status >= 0)
         return status;
     int verb = operands ? word_index(operand[0], verbs) : -1;
+    if (operands && verb < 0)
+        return complain_of_word("device", "what to do", operand[0], verbs);
     if (verb < 0 || operands != (verb == 0 ? 1u : 2u))
         return complain("device", "list, watch NAME, selftest NAME, identify NAME or simulate serial "
                                   "is needed (see --help)");

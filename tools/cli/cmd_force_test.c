@@ -183,7 +183,7 @@ static int take_settings(int argc, char **argv, struct force_trial_def *def, con
     const char *law = "proxy";
     size_t operands;
     const struct option_def options[] = {
-        { .name = "--law", .text = &law },
+        { .name = "--law", .text = &law, .words = law_names },
         { .name = "--length", .number = &def->length },
         { .name = "--radius", .number = &def->radius },
         { .name = "--stiffness", .number = &def->stiffness },
@@ -198,8 +198,8 @@ static int take_settings(int argc, char **argv, struct force_trial_def *def, con
         { .name = "--seed", .count = &def->seed },
         { .name = "--json", .flag = json },
     };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               path, 1, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), path, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1)
@@ -210,6 +210,22 @@ static int take_settings(int argc, char **argv, struct force_trial_def *def, con
     if (def->friction != 0.0 && def->law != DPT_LAW_PROXY)
         return complain("force-test", "--friction is for --law proxy");
     return check_ranges(def);
+}
+
+/* Each part has a time of its own. */
+struct shown_part {
+    struct meter meter;
+    const char *part;
+};
+
+static void show_part(void *user, const char *part, double done)
+{
+    struct shown_part *shown = user;
+    if (part != shown->part) {
+        meter_show(&shown->meter, "", 1.0);
+        *shown = (struct shown_part){ .part = part };
+    }
+    meter_show(&shown->meter, part, done);
 }
 
 int command_force_test(int argc, char **argv)
@@ -230,6 +246,7 @@ int command_force_test(int argc, char **argv)
     void *bytes;
     int json = 0, is_broken = 0;
     dpt_result failure = DPT_OK;
+    struct shown_part shown = { .part = "" };
     const int status = take_settings(argc, argv, &def, &path, &json);
     if (status >= 0)
         return status;
@@ -237,9 +254,12 @@ int command_force_test(int argc, char **argv)
     if (!def.mesh)
         return 2;
     def.failure = &failure;
+    def.show = show_part;
+    def.user = &shown;
     const int is_done = force_trial_push(&def, &report.push) && force_trial_through(&def, &report.through) &&
                         force_trial_delay(&def, &report.delay) && force_trial_inside(&def, &report.inside) &&
                         force_trial_paths(&def, &report.paths);
+    meter_show(&shown.meter, "", 1.0);
     free(bytes);
     if (failure != DPT_OK)
         return complain("force-test", "%s: a tick failed: %s", path, dpt_result_text(failure));

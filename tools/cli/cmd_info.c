@@ -181,8 +181,8 @@ int command_info(int argc, char **argv)
                                           { .name = "--verify", .flag = &check },
                                           { .name = "--sections", .flag = &has_sections },
                                           { .name = "--thickness", .flag = &is_measured } };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               &path, 1, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), &path, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1)

@@ -7,6 +7,7 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "cli/complete.h"
 #include "scene/shape.h"
 #include "shape/mesh_file.h"
 #include "shape/trace_hand.h"
@@ -119,9 +120,23 @@ static int make_laparoscopic(uint64_t count, uint64_t seed, const char *path)
 static int asks_for_help(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++)
-        if (strcmp(argv[i], "--help") == 0)
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
             return 1;
     return 0;
+}
+
+enum { MADE_MAX = 64 };
+
+/* All that can be made, ended by NULL. */
+static void list_names(const char *names[MADE_MAX])
+{
+    size_t count = 0;
+    for (const struct shape_kind *kind = shape_kinds; kind < shape_kinds + shape_kind_count; kind++)
+        if (count < MADE_MAX - 3)
+            names[count++] = kind->name;
+    names[count++] = laparoscopic;
+    names[count++] = "trace";
+    names[count] = NULL;
 }
 
 int command_make(int argc, char **argv)
@@ -130,18 +145,28 @@ int command_make(int argc, char **argv)
     uint64_t seed = 0;
     int64_t count = 0;
     size_t word_count;
-    const struct option_def options[] = { { .name = "-o", .text = &path }, { .name = "--seed", .count = &seed } };
+    const struct option_def options[] = { { .name = "-o", .text = &path, .kind = VALUE_FILE },
+                                          { .name = "--seed", .count = &seed } };
     if (argc > 1 && strcmp(argv[1], "trace") == 0)
         return command_make_trace(argc - 1, argv + 1);
+    if (argc > 3 && strcmp(argv[1], COMPLETE_ARGUMENT) == 0 && strcmp(argv[2], "trace") == 0) {
+        argv[2] = argv[1];
+        return command_make_trace(argc - 1, argv + 1);
+    }
     if (asks_for_help(argc, argv)) {
         print_help();
         return 0;
     }
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, 2, "" }, words, 2, &word_count);
+    const char *names[MADE_MAX];
+    list_names(names);
+    const struct operand_def taken[] = { { .words = names }, { .kind = VALUE_ANY } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, "", taken), words, 2, &word_count);
     if (status >= 0)
         return status;
     if (word_count == 0)
         return complain("make", "a shape is needed (see --help)");
+    if (word_index(words[0], names) < 0)
+        return complain_of_word("make", "shape", words[0], names);
     const char *end = word_count == 2 ? words[1] + strlen(words[1]) : NULL;
     if (end && (parse_int(words[1], end, &count) != end || count <= 0))
         return complain("make", "'%s' is not a number of triangles", words[1]);
@@ -198,13 +223,18 @@ int command_make_trace(int argc, char **argv)
     static char whole_name[] = "make trace";
     argv[0] = whole_name;
     const struct option_def options[] = {
-        { .name = "--mesh", .text = &mesh_path },  { .name = "-o", .text = &out },
-        { .name = "--seed", .count = &seed },      { .name = "--ticks", .count = &ticks },
-        { .name = "--length", .number = &length }, { .name = "--band", .number = &band },
+        { .name = "--mesh", .text = &mesh_path, .kind = VALUE_FILE },
+        { .name = "-o", .text = &out, .kind = VALUE_FILE },
+        { .name = "--seed", .count = &seed },
+        { .name = "--ticks", .count = &ticks },
+        { .name = "--length", .number = &length },
+        { .name = "--band", .number = &band },
         { .name = "--speed", .number = &speed },
     };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               &operand, 1, &operands);
+    int status = parse_options(
+        argc, argv,
+        &(struct command_syntax){ .options = options, .option_count = sizeof options / sizeof *options, .help = help },
+        &operand, 1, &operands);
     if (status >= 0)
         return status;
     if (!mesh_path || !out || operands)

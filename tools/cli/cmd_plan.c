@@ -97,22 +97,22 @@ static int read_options(int argc, char **argv, struct plan_options *options, str
         { .name = "--error", .text = &options->error },
         { .name = "--force-error", .text = &options->force_error },
         { .name = "--rate", .text = &options->rate },
-        { .name = "--law", .text = &options->law },
+        { .name = "--law", .text = &options->law, .words = law_names },
         { .name = "--stiffness", .text = &options->stiffness },
-        { .name = "--device", .text = &options->device },
+        { .name = "--device", .text = &options->device, .kind = VALUE_FILE },
         { .name = "--friction", .number = &scene->force.friction },
         { .name = "--damping", .number = &scene->force.damping },
         { .name = "--length", .number = &scene->length },
         { .name = "--radius", .number = &scene->radius },
         { .name = "--smooth-normals", .flag = &options->smooth },
-        { .name = "--trace", .text = &options->trace },
+        { .name = "--trace", .text = &options->trace, .kind = VALUE_FILE },
         { .name = "--seed", .count = &options->seed },
         { .name = "--ticks", .count = &options->ticks },
-        { .name = "-o", .text = &options->out },
-        { .name = "--header", .text = &options->header },
+        { .name = "-o", .text = &options->out, .kind = VALUE_FILE },
+        { .name = "--header", .text = &options->header, .kind = VALUE_FILE },
     };
-    int status = parse_options(argc, argv, &(struct command_syntax){ defs, sizeof defs / sizeof *defs, help },
-                               &scene->path, 1, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_SCENE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(defs, help, taken), &scene->path, 1, &operands);
     if (status >= 0)
         return status;
     if (operands != 1)

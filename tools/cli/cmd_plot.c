@@ -218,13 +218,13 @@ int command_plot(int argc, char **argv)
     const char *operand[RUNS_MAX] = { NULL }, *out = NULL, *title = NULL;
     double from = 0.0, to = INFINITY, dt = 1e-3;
     size_t operands;
-    const struct option_def options[] = { { .name = "-o", .text = &out },
+    const struct option_def options[] = { { .name = "-o", .text = &out, .kind = VALUE_FILE },
                                           { .name = "--from", .number = &from },
                                           { .name = "--to", .number = &to },
                                           { .name = "--title", .text = &title },
                                           { .name = "--dt", .number = &dt } };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               operand, RUNS_MAX, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_FILE }, { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, RUNS_MAX, &operands);
     if (status >= 0)
         return status;
     struct plot *plot = calloc(1, sizeof *plot);

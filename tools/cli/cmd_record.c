@@ -265,13 +265,16 @@ int command_record(int argc, char **argv)
     const char *operand[2], *out = NULL;
     int json = 0;
     size_t operands;
-    const struct option_def options[] = { { .name = "-o", .text = &out }, { .name = "--json", .flag = &json } };
+    const struct option_def options[] = { { .name = "-o", .text = &out, .kind = VALUE_FILE },
+                                          { .name = "--json", .flag = &json } };
     static const char *const verbs[] = { "info", "csv", NULL };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               operand, 2, &operands);
+    static const struct operand_def taken[] = { { .words = verbs }, { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);
     if (status >= 0)
         return status;
     const int verb = operands == 2 ? word_index(operand[0], verbs) : -1;
+    if (operands && word_index(operand[0], verbs) < 0)
+        return complain_of_word("record", "what to do", operand[0], verbs);
     if (verb < 0 || (verb == 1) != (out != NULL) || (verb == 1 && json))
         return complain("record", "info FILE.dpr, or csv FILE.dpr -o OUT.csv is needed (see --help)");
     if (out && (output_check("record", out, (const char *const[]){ operand[1], NULL }) ||

@@ -10,6 +10,7 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "cli/complete.h"
 #include "cli/force_check.h"
 #include "cli/scene_command.h"
 #include "clock.h"
@@ -279,7 +280,7 @@ static int run(struct replay_settings *settings, const dpt_mesh *mesh, const str
 
 /* Options that are words, and so are read further on. */
 struct replay_words {
-    const char *method, *until, *kernel, *against, *strip, *law;
+    const char *method, *until, *kernel, *against, *strip, *law, *plan;
     struct option_texts tips;
 };
 
@@ -289,19 +290,20 @@ static int parse_settings(int argc, char **argv, struct replay_settings *setting
     const char *operand[2];
     size_t operands;
     const struct option_def options[] = {
-        { .name = "-o", .text = &settings->out },
-        { .name = "--method", .text = &words->method },
+        { .name = "-o", .text = &settings->out, .kind = VALUE_FILE },
+        { .name = "--plan", .text = &words->plan, .kind = VALUE_FILE }, /* for completion: replay_plan took it */
+        { .name = "--method", .text = &words->method, .words = methods },
         { .name = "--radius", .number = &settings->tool.radius },
         { .name = "--tip", .texts = &words->tips },
-        { .name = "--law", .text = &words->law },
+        { .name = "--law", .text = &words->law, .words = law_names },
         { .name = "--stiffness", .number = &settings->force.stiffness },
         { .name = "--friction", .number = &settings->force.friction },
         { .name = "--damping", .number = &settings->force.damping },
-        { .name = "--until", .text = &words->until },
+        { .name = "--until", .text = &words->until, .words = until_words },
         { .name = "--dt", .number = &settings->dt },
-        { .name = "--kernel", .text = &words->kernel },
+        { .name = "--kernel", .text = &words->kernel, .words = kernels },
         { .name = "--repeat", .count = &settings->repeat },
-        { .name = "--against", .text = &words->against },
+        { .name = "--against", .text = &words->against, .words = methods },
         { .name = "--every", .count = &settings->every },
         { .name = "--json", .flag = &settings->json },
         { .name = "--parts", .count = &settings->parts },
@@ -309,11 +311,11 @@ static int parse_settings(int argc, char **argv, struct replay_settings *setting
         { .name = "--certificate-bytes", .count = &settings->def.certificate_bytes },
         { .name = "--one-step", .flag = &settings->one_step },
         { .name = "--limit", .flag = &settings->limit },
-        { .name = "--strip", .text = &words->strip },
+        { .name = "--strip", .text = &words->strip, .words = strip_words },
         { .name = "--strip-width", .number = &settings->def.strip_width },
     };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               operand, 2, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_FILE }, { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);
     if (status >= 0)
         return status;
     if (operands > 0 && is_recording(operand[0]))
@@ -332,21 +334,12 @@ static int parse_settings(int argc, char **argv, struct replay_settings *setting
 /* Returns 0, or 2 after a message. */
 static int read_words(struct replay_settings *settings, const struct replay_words *words)
 {
-    const int method = word_index(words->method, methods), until = word_index(words->until, until_words);
-    const int kernel = word_index(words->kernel, kernels), strip = word_index(words->strip, strip_words);
+    const int method = word_index(words->method, methods);
     settings->against = words->against ? word_index(words->against, methods) : -1;
-    if (method < 0 || (words->against && settings->against < 0))
-        return complain("replay", "the methods are exact, tree, brute and paper");
-    if (until < 0)
-        return complain("replay", "--until takes track, contact or respond");
-    if (kernel < 0)
-        return complain("replay", "the kernels are auto, scalar, sse2, avx2, avx512, neon and wasm128");
-    if (strip < 0)
-        return complain("replay", "--strip takes shadow or routes");
-    settings->def.strip = (uint32_t)strip;
+    settings->def.strip = (uint32_t)word_index(words->strip, strip_words);
     settings->def.method = (uint32_t)method;
-    settings->def.until = (uint32_t)until;
-    settings->def.kernel = (uint32_t)kernel;
+    settings->def.until = (uint32_t)word_index(words->until, until_words);
+    settings->def.kernel = (uint32_t)word_index(words->kernel, kernels);
     const char *law = words->law ? words->law : method == DPT_METHOD_PAPER ? "point" : "proxy";
     const int status = law_by_name("replay", law, &settings->force.law);
     return status ? status : force_options_check("replay", &settings->force);
@@ -445,7 +438,8 @@ int command_replay(int argc, char **argv)
     struct csv_table trace;
     void *bytes;
     /* It has options of its own. */
-    if (argc > 1 && is_recording(argv[1]))
+    const int first = argc > 1 && !strcmp(argv[1], COMPLETE_ARGUMENT) ? 2 : 1;
+    if (argc > first && is_recording(argv[first]))
         return replay_recording(argc, argv);
     if (replay_has_plan(argc, argv))
         return replay_plan(argc, argv);

@@ -187,6 +187,14 @@ static int list_cases(void)
     return 0;
 }
 
+static void list_names(const char *names[CASES_MAX + 1])
+{
+    size_t count = 0;
+    for (const struct lab_case *const *which = lab_cases; *which; which++)
+        names[count++] = (*which)->name;
+    names[count] = NULL;
+}
+
 /* All that need not be named. */
 static size_t choose_default(const struct lab_case **chosen)
 {
@@ -207,9 +215,13 @@ int command_stability(int argc, char **argv)
     const struct option_def options[] = { { .name = "--list", .flag = &lists },
                                           { .name = "--effort", .number = &effort },
                                           { .name = "--json", .flag = &json } };
-    const int status =
-        parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help }, names,
-                      CASES_MAX, &count);
+    const char *known[CASES_MAX + 1];
+    list_names(known);
+    const struct operand_def cases = { .words = known };
+    const int status = parse_options(
+        argc, argv,
+        &(struct command_syntax){ options, sizeof options / sizeof *options, help, &cases, 1, .repeats = 1 }, names,
+        CASES_MAX, &count);
     if (status >= 0)
         return status;
     if (lists)
@@ -219,7 +231,7 @@ int command_stability(int argc, char **argv)
     for (size_t i = 0; i < count; i++) {
         chosen[i] = find_case(names[i]);
         if (!chosen[i])
-            return complain("stability", "there is no case '%s' (see --list)", names[i]);
+            return complain_of_word("stability", "case", names[i], known);
     }
     if (!count)
         count = choose_default(chosen);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint view: a mesh, a scene or a recording in a browser. */
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,7 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/compile_options.h"
+#include "cli/complete.h"
 #include "cli/open_device.h"
 #include "dynpoint/compile.h"
 #include "record/recording_file.h"
@@ -152,6 +154,14 @@ static int is_scene(const char *path)
 
 static int show_file(const struct view_settings *settings)
 {
+    FILE *file = fopen(settings->path, "rb");
+    if (file)
+        fclose(file);
+    else if (errno == ENOENT && scene_listed_is_meant(settings->path)) {
+        char told[256];
+        scene_listed_tell(settings->path, told, sizeof told);
+        return complain("view", "%s: there is no scene of this name, and no such file: %s", settings->path, told);
+    }
     if (is_recording(settings->path))
         return show_recording(settings);
     if (settings->files.mesh || settings->files.tool)
@@ -216,25 +226,32 @@ int command_view(int argc, char **argv)
 {
     struct view_settings settings = { .serve.is_on = 1, .seconds = HUGE_VAL };
     size_t operands = 0;
+    const int completes = argc > 3 && !strcmp(argv[1], COMPLETE_ARGUMENT);
+    if (completes && (scene_listed(argv[2]) || has_ending(argv[2], ".json")))
+        return command_run(argc, argv);
+    int is_control = 0; /* of a scene, which run_scene shows */
     const int scene = argc > 1 && argv[1][0] != '-' ? is_scene(argv[1]) : 0;
     if (scene)
         return scene < 0 ? 2 : run_scene(argc, argv);
     const struct option_def options[] = {
-        { .name = "-o", .text = &settings.out },
-        { .name = "--mesh", .text = &settings.files.mesh },
-        { .name = "--tool", .text = &settings.files.tool },
+        { .name = "-o", .text = &settings.out, .kind = VALUE_FILE },
+        { .name = "--mesh", .text = &settings.files.mesh, .kind = VALUE_FILE },
+        { .name = "--tool", .text = &settings.files.tool, .kind = VALUE_FILE },
         { .name = "--open", .flag = &settings.serve.open },
         { .name = "--port", .count = &settings.serve.port },
         { .name = "--address", .text = &settings.serve.address },
         { .name = "--for", .number = &settings.seconds },
+        { .name = "--control", .flag = &is_control },
     };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               &settings.path, 1, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_SCENE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), &settings.path, 1, &operands);
     if (status >= 0)
         return status;
     settings.files.recording = settings.path;
     if (operands != 1)
         return complain("view", "a MESH, a RECORDING.dpr or a SCENE is needed (see --help)");
+    if (is_control)
+        return complain("view", "--control is of a scene, which comes first");
     if (!(settings.seconds > 0.0))
         return complain("view", "--for must be positive");
     if (run_view_check("view", &settings.serve) || check_out(&settings))

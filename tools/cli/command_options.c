@@ -12,7 +12,9 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "cli/complete.h"
 #include "scene/host_file.h"
+#include "text/near_word.h"
 #include "text/parse_number.h"
 
 int complain(const char *command, const char *format, ...)
@@ -35,21 +37,59 @@ int complain_of(const char *command, dpt_result result, const dpt_host_error *er
     return 0;
 }
 
-static const struct option_def *find_option(const char *name, const struct option_def *options, size_t count)
+int complain_of_word(const char *command, const char *what, const char *text, const char *const *words)
 {
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(options[i].name, name) == 0)
-            return &options[i];
-    return NULL;
+    char known[160]; /* of more words than there is room for, their number */
+    size_t length = 0, count = 0;
+    struct near_word near = near_word_begin(text, strlen(text));
+    known[0] = '\0';
+    for (; words[count]; count++) {
+        near_word_try(&near, words[count]);
+        if (length < sizeof known)
+            length += (size_t)snprintf(known + length, sizeof known - length, "%s%s", count ? ", " : "", words[count]);
+    }
+    if (length >= sizeof known)
+        snprintf(known, sizeof known, "the %zu that there are", count);
+    if (near.word)
+        return complain(command, "%s: '%s' is none of %s; did you mean %s?", what, text, known, near.word);
+    return complain(command, "%s: '%s' is none of %s", what, text, known);
 }
 
+/* The option that an argument names, to its end or to its equals sign; NULL: none. */
+static const struct option_def *find_option(const char *argument, const struct command_syntax *syntax)
+{
+    const size_t whole = strlen(argument), name = strcspn(argument, "=");
+    const struct option_def *found = NULL;
+    for (const struct option_def *option = syntax->options; option < syntax->options + syntax->option_count; option++) {
+        const size_t length = strlen(option->name);
+        if (length == whole && !memcmp(option->name, argument, whole))
+            return option;
+        if (length == name && !memcmp(option->name, argument, name))
+            found = option;
+    }
+    return found;
+}
+
+static int complain_of_option(const char *command, const char *argument, const struct command_syntax *syntax)
+{
+    struct near_word near = near_word_begin(argument, strcspn(argument, "="));
+    for (size_t i = 0; i < syntax->option_count; i++)
+        near_word_try(&near, syntax->options[i].name);
+    if (near.word)
+        return complain(command, "unknown option %s; did you mean %s? (see --help)", argument, near.word);
+    return complain(command, "unknown option %s (see --help)", argument);
+}
+
+/* Returns -1 to go on, else the exit status. */
 static int read_value(const char *command, const struct option_def *option, const char *value)
 {
     const char *end = value + strlen(value);
     int64_t whole;
-    if (option->text)
+    if (option->text) {
+        if (option->words && word_index(value, option->words) < 0)
+            return complain_of_word(command, option->name, value, option->words);
         *option->text = value;
-    else if (option->number && parse_double(value, end, option->number) != end)
+    } else if (option->number && parse_double(value, end, option->number) != end)
         return complain(command, "%s: '%s' is not a number", option->name, value);
     else if (option->count) {
         if (parse_int(value, end, &whole) != end || whole < 0)
@@ -63,31 +103,43 @@ static int read_value(const char *command, const struct option_def *option, cons
     return -1;
 }
 
+static int is_one_of(const char *argument, const char *name, const char *short_name)
+{
+    return !strcmp(argument, name) || !strcmp(argument, short_name);
+}
+
 int parse_options(int argc, char **argv, const struct command_syntax *syntax, const char **operand,
                   size_t operand_capacity, size_t *operands)
 {
     const char *command = argv[0];
     *operands = 0;
+    if (argc > 1 && !strcmp(argv[1], COMPLETE_ARGUMENT)) {
+        complete_argument(argc - 2, argv + 2, syntax);
+        return 0;
+    }
     for (int i = 1; i < argc; i++) {
-        const struct option_def *option = find_option(argv[i], syntax->options, syntax->option_count);
-        if (strcmp(argv[i], "--help") == 0) {
+        const struct option_def *option = find_option(argv[i], syntax);
+        if (is_one_of(argv[i], "--help", "-h")) {
             fputs(syntax->help, stdout);
             return 0;
         }
-        if (strcmp(argv[i], "--version") == 0) {
+        if (is_one_of(argv[i], "--version", "-V")) {
             printf("dynpoint %s\n", dpt_version());
             return 0;
         }
+        const char *equals = option && argv[i][strlen(option->name)] == '=' ? argv[i] + strlen(option->name) : NULL;
         if (option && option->flag) {
+            if (equals)
+                return complain(command, "%s takes no value", option->name);
             *option->flag = 1;
         } else if (option) {
-            if (++i == argc)
+            if (!equals && ++i == argc)
                 return complain(command, "%s needs a value", option->name);
-            int status = read_value(command, option, argv[i]);
+            int status = read_value(command, option, equals ? equals + 1 : argv[i]);
             if (status >= 0)
                 return status;
         } else if (argv[i][0] == '-' && argv[i][1]) {
-            return complain(command, "unknown option %s (see --help)", argv[i]);
+            return complain_of_option(command, argv[i], syntax);
         } else if (*operands == operand_capacity) {
             return complain(command, "one argument too many: %s (see --help)", argv[i]);
         } else {
@@ -225,16 +277,25 @@ int flush_stdout(const char *command)
     return complain(command, "standard output cannot be written: %s", strerror(errno ? errno : EIO));
 }
 
+enum { METER_LETTERS = 44 };
+
 void meter_show(struct meter *meter, const char *what, double done)
 {
     long now = (long)time(NULL);
     if (!meter->began)
         meter->began = now;
     if (done >= 1.0 && meter->shown)
-        fputs("\r                     \r", stderr);
+        fprintf(stderr, "\r%*s\r", METER_LETTERS, "");
     if (done >= 1.0 || now - meter->began < 2 || !isatty(2))
         return;
-    fprintf(stderr, "\r%-12.12s %3.0f %%", what, 100.0 * done);
+    char line[METER_LETTERS + 1], left[32] = "";
+    const double seconds = (double)(now - meter->began) * (1.0 - done) / (done > 0.0 ? done : 1.0);
+    if (done >= 0.01 && seconds < 90.0)
+        snprintf(left, sizeof left, ", %.0f s left", seconds);
+    else if (done >= 0.01)
+        snprintf(left, sizeof left, ", %.0f min left", seconds / 60.0);
+    snprintf(line, sizeof line, "%-14.14s %3.0f %%%s", what, 100.0 * done, left);
+    fprintf(stderr, "\r%-*s", METER_LETTERS, line);
     meter->shown = 1;
 }
 

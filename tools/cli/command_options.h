@@ -32,6 +32,9 @@ struct option_texts {
     size_t count;
 };
 
+/* What a value or an operand is: what a shell may complete it with. */
+enum value_kind { VALUE_ANY, VALUE_FILE, VALUE_SCENE, VALUE_DEVICE };
+
 /* An option of a command, and where its value goes: exactly one of the pointers is not NULL. */
 struct option_def {
     const char *name; /* "--scale", "-o" */
@@ -40,17 +43,34 @@ struct option_def {
     uint64_t *count;
     int *flag;
     struct option_texts *texts;
+    enum value_kind kind;
+    const char *const *words; /* of a text: all that it may be, ended by NULL; or NULL */
+};
+
+struct operand_def {
+    enum value_kind kind;
+    const char *const *words; /* what it may be, ended by NULL; or NULL */
 };
 
 /* What a command takes. */
 struct command_syntax {
     const struct option_def *options;
     size_t option_count;
-    const char *help; /* what --help prints */
+    const char *help;                   /* what --help prints */
+    const struct operand_def *operands; /* in their order, for completion alone */
+    size_t operand_count;
+    int repeats; /* the last of them may be given again and again */
 };
 
+/* A command's syntax, of arrays. */
+#define COMMAND_SYNTAX(options, help, operands)                                                                        \
+    (&(struct command_syntax){ options, sizeof(options) / sizeof *(options), help, operands,                           \
+                               sizeof(operands) / sizeof *(operands), 0 })
+
 /*
- * Sort the arguments after argv[0] into options and operands.
+ * Sort the arguments after argv[0] into options and operands. An option's value may follow it after a blank or after an
+ * equals sign. Texts that have words are one of them, or refused. --help, -h, --version and -V are answered. If the first
+ * argument is COMPLETE_ARGUMENT, what the last one may be is printed instead (complete.h).
  *   operand    room for `operand_capacity` operands
  *   operands   how many there were
  *
@@ -61,6 +81,9 @@ int parse_options(int argc, char **argv, const struct command_syntax *syntax, co
 
 /* The index of the text in `words`, which ends with NULL; -1 if it is none of them. */
 int word_index(const char *text, const char *const *words);
+
+/* Say that a text is none of the words, which they are, and which was probably meant. Returns 2. */
+int complain_of_word(const char *command, const char *what, const char *text, const char *const *words);
 
 /*
  * A file to write. It is written under another name beside the path, and renamed when complete. "-" is standard output.
@@ -95,8 +118,8 @@ void output_drop(struct output *output);                         /* remove it in
 int flush_stdout(const char *command);
 
 /*
- * Show progress on a terminal for work that takes more than a second: which fraction (0..1) of `what` is done. At 1 the
- * line is wiped. Begin with a zeroed meter.
+ * Show progress on a terminal for work that takes more than a second: which fraction (0..1) of `what` is done, and the
+ * time that is left if the rest goes on like that. At 1 the line is wiped. Begin with a zeroed meter.
  */
 struct meter {
     long began; /* s */

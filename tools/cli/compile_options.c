@@ -9,6 +9,8 @@
 
 #include "cli/command_options.h"
 
+const char *const spring_kinds[] = { "sheet", "volume", NULL };
+
 void spring_options_init(struct spring_options *options)
 {
     *options = (struct spring_options){ .young = NAN,
@@ -81,11 +83,8 @@ static int take_numbers(struct spring_options *options, const char *command)
 
 int spring_options_take(struct spring_options *options, const char *command, const char *out, dpt_compile_def *def)
 {
-    static const char *const kinds[] = { "sheet", "volume", NULL };
-    const int kind = options->kind ? word_index(options->kind, kinds) : -1;
-    if (options->kind && kind < 0)
-        return complain(command, "--springs: '%s' is not sheet or volume", options->kind);
-    options->def.kind = kind == 0 ? DPT_NET_SHEET : DPT_NET_VOLUME;
+    const int is_sheet = options->kind && word_index(options->kind, spring_kinds) == 0;
+    options->def.kind = is_sheet ? DPT_NET_SHEET : DPT_NET_VOLUME;
     if (take_numbers(options, command))
         return 2;
     if (!options->kind && (options->regions_path || options->fixed_path))

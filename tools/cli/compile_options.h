@@ -16,6 +16,9 @@ struct spring_options {
     struct spring_regions regions;
 };
 
+/* The words of --springs. */
+extern const char *const spring_kinds[];
+
 void spring_options_init(struct spring_options *options);
 
 /*

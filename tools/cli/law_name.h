@@ -7,8 +7,6 @@
 #include "dynpoint/world.h"
 #include "scene/setting_words.h"
 
-#define LAW_HELP "point, bed or proxy"
-
 static inline const char *law_name(uint32_t law)
 {
     return law_names[law];
@@ -19,7 +17,7 @@ static inline int law_by_name(const char *command, const char *name, uint32_t *l
 {
     const int index = word_index(name, law_names);
     if (index < 0)
-        return complain(command, "--law takes " LAW_HELP);
+        return complain_of_word(command, "--law", name, law_names);
     *law = (uint32_t)index;
     return 0;
 }

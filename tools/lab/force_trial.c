@@ -14,6 +14,12 @@
 
 #define TURN 6.283185307179586
 
+static void show(const struct force_trial_def *def, const char *part, uint64_t done, uint64_t count)
+{
+    if (def->show)
+        def->show(def->user, part, (double)done / (double)count);
+}
+
 enum { FREQUENCIES = 3, LAGS = 60, FITTED = 1000, TICKS = LAGS + 1 + FITTED + 1 };
 
 /* Hz: of a hand's tremor, and whole periods in FITTED ticks. A low-pass of T seconds holds all back by about T. */
@@ -108,6 +114,7 @@ int force_trial_delay(const struct force_trial_def *def, struct delay_result *re
     int is_done = force_lead_open(&lead, def);
     *result = (struct delay_result){ .places = 0 };
     for (uint64_t i = 0; i < def->places && is_done; i++) {
+        show(def, "shaken", i, def->places);
         const int found = shake_at(&lead, tilts[i % 5], &shake);
         if (found > 0)
             add_fits(&shake, fits, result);
@@ -159,8 +166,10 @@ static int begin_inside(const struct force_trial_def *def, double tilt, struct i
 {
     struct force_lead lead;
     int is_done = force_lead_open(&lead, def);
-    for (uint64_t i = 0; i < def->places && is_done; i++)
+    for (uint64_t i = 0; i < def->places && is_done; i++) {
+        show(def, "begun inside", i, def->places);
         is_done = begin_at(&lead, i % 2 ? tilt : 0.0, result);
+    }
     force_lead_close(&lead);
     return is_done;
 }
@@ -257,8 +266,10 @@ int force_trial_paths(const struct force_trial_def *def, struct path_result *res
     struct force_lead lead;
     int is_done = force_lead_open(&lead, def);
     *result = (struct path_result){ .paths = 0 };
-    for (uint64_t i = 0; i < def->paths && is_done; i++)
+    for (uint64_t i = 0; i < def->paths && is_done; i++) {
+        show(def, "closed paths", i, def->paths);
         is_done = path_at(&lead, result);
+    }
     force_lead_close(&lead);
     return is_done;
 }
@@ -347,8 +358,10 @@ int force_trial_push(const struct force_trial_def *def, struct push_result *resu
     struct force_lead lead;
     int is_done = force_lead_open(&lead, def);
     *result = (struct push_result){ .gap_min = HUGE_VAL };
-    for (uint64_t i = 0; i < def->places && is_done; i++)
+    for (uint64_t i = 0; i < def->places && is_done; i++) {
+        show(def, "pushed in", i, def->places);
         is_done = push_at(&lead, tilts[i % 5], 1, result);
+    }
     sort_numbers(lead.us, lead.us_count);
     result->us_median = percentile(lead.us, lead.us_count, 0.5);
     result->us_p99 = percentile(lead.us, lead.us_count, 0.99);
@@ -363,8 +376,10 @@ int force_trial_through(const struct force_trial_def *def, struct push_result *r
     struct force_lead lead;
     int is_done = force_lead_open(&lead, &through);
     *result = (struct push_result){ .gap_min = HUGE_VAL };
-    for (uint64_t i = 0; i < def->places && is_done; i++)
+    for (uint64_t i = 0; i < def->places && is_done; i++) {
+        show(def, "held through", i, def->places);
         is_done = push_at(&lead, tilts[i % 4], 0, result);
+    }
     force_lead_close(&lead);
     return is_done;
 }

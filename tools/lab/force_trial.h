@@ -24,6 +24,8 @@ struct force_trial_def {
     uint64_t contacts;   /* dpt_world_def.max_contacts */
     double low_pass;     /* s: of the first-order low-pass behind the law; 0: none */
     dpt_result *failure; /* gets the result of the first tick that fails; NULL: nobody asks */
+    void (*show)(void *user, const char *part, double done); /* is told how much of a part is done; NULL: nobody asks */
+    void *user;
 };
 
 /*

@@ -38,7 +38,7 @@ struct replay_plan_options {
 int replay_has_plan(int argc, char **argv)
 {
     for (int i = 1; i < argc; i++)
-        if (!strcmp(argv[i], "--plan"))
+        if (!strcmp(argv[i], "--plan") || !strncmp(argv[i], "--plan=", 7))
             return 1;
     return 0;
 }
@@ -48,7 +48,7 @@ static int read_options(int argc, char **argv, struct replay_plan_options *optio
 {
     size_t operands;
     const struct option_def defs[] = {
-        { .name = "--plan", .text = &options->plan },
+        { .name = "--plan", .text = &options->plan, .kind = VALUE_FILE },
         { .name = "--check", .flag = &options->check },
         { .name = "--check=time", .flag = &options->check_time },
         { .name = "--seed", .count = &options->seed },
@@ -58,8 +58,8 @@ static int read_options(int argc, char **argv, struct replay_plan_options *optio
         { .name = "--json", .flag = &options->json },
     };
     *options = (struct replay_plan_options){ .seed = UINT64_MAX, .ticks = UINT64_MAX };
-    int status = parse_options(argc, argv, &(struct command_syntax){ defs, sizeof defs / sizeof *defs, help },
-                               &options->trace, 1, &operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(defs, help, taken), &options->trace, 1, &operands);
     if (status >= 0)
         return status;
     const int is_made = options->seed != UINT64_MAX || options->ticks != UINT64_MAX || options->speed != 0.0;

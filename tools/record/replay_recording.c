@@ -148,9 +148,10 @@ int replay_recording(int argc, char **argv)
     const char *operand[2] = { NULL, NULL }, *tool = NULL;
     int json = 0;
     size_t operands;
-    const struct option_def options[] = { { .name = "--tool", .text = &tool }, { .name = "--json", .flag = &json } };
-    int status = parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                               operand, 2, &operands);
+    const struct option_def options[] = { { .name = "--tool", .text = &tool, .kind = VALUE_FILE },
+                                          { .name = "--json", .flag = &json } };
+    static const struct operand_def taken[] = { { .kind = VALUE_FILE }, { .kind = VALUE_FILE } };
+    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);
     if (status >= 0)
         return status;
     struct recording_file recording;

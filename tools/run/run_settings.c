@@ -205,17 +205,17 @@ struct run_words {
 static int parse_settings(struct run_settings *settings, struct run_words *words, int argc, char **argv)
 {
     const struct option_def options[] = {
-        { .name = "--device", .text = &settings->device },
-        { .name = "--plan", .text = &settings->plan_path },
+        { .name = "--device", .text = &settings->device, .kind = VALUE_DEVICE },
+        { .name = "--plan", .text = &settings->plan_path, .kind = VALUE_FILE },
         { .name = "--at", .text = &words->at },
-        { .name = "--tool", .text = &settings->scene.tool },
+        { .name = "--tool", .text = &settings->scene.tool, .kind = VALUE_FILE },
         { .name = "--tip", .texts = &words->tips },
         { .name = "--jaw", .text = &words->jaw },
-        { .name = "--identified", .text = &settings->identified },
+        { .name = "--identified", .text = &settings->identified, .kind = VALUE_FILE },
         { .name = "--zoom", .number = &settings->scene.zoom },
         { .name = "--length", .number = &settings->scene.length },
         { .name = "--radius", .number = &settings->scene.radius },
-        { .name = "--law", .text = &words->law },
+        { .name = "--law", .text = &words->law, .words = law_names },
         { .name = "--stiffness", .number = &settings->coupling.stiffness },
         { .name = "--gain-margin", .number = &settings->coupling.gain_margin },
         { .name = "--unstable", .flag = &settings->coupling.is_unstable },
@@ -232,7 +232,7 @@ static int parse_settings(struct run_settings *settings, struct run_words *words
         { .name = "--physics", .number = &settings->scene.physics },
         { .name = "--for", .number = &settings->seconds },
         { .name = "--ticks", .count = &settings->ticks },
-        { .name = "--record", .text = &settings->record },
+        { .name = "--record", .text = &settings->record, .kind = VALUE_FILE },
         { .name = "--embed", .flag = &settings->embeds },
         { .name = "--reopen", .flag = &settings->reopen },
         { .name = "--view", .flag = &settings->view.is_on },
@@ -250,8 +250,8 @@ static int parse_settings(struct run_settings *settings, struct run_words *words
                                        .seconds = HUGE_VAL,
                                        .budget = HOST_BUDGET_BY_RATE };
     scene_def_init(&settings->scene, "run");
-    return parse_options(argc, argv, &(struct command_syntax){ options, sizeof options / sizeof *options, help },
-                         &settings->scene.path, 1, &words->operands);
+    static const struct operand_def taken[] = { { .kind = VALUE_SCENE } };
+    return parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), &settings->scene.path, 1, &words->operands);
 }
 
 int run_settings_read(struct run_settings *settings, int argc, char **argv)

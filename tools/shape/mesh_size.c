@@ -51,15 +51,14 @@ const char *size_hint(const dpt_mesh_info *info)
     return "which unit is it in? --unit, or --scale";
 }
 
+const char *const unit_words[] = { "mm", "cm", "m", "in", NULL };
+
 double unit_metres(const char *unit)
 {
-    static const struct {
-        const char *name;
-        double metres;
-    } units[] = { { "mm", 0.001 }, { "cm", 0.01 }, { "m", 1.0 }, { "in", 0.0254 } };
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (strcmp(unit, units[i].name) == 0)
-            return units[i].metres;
+    static const double metres[] = { 0.001, 0.01, 1.0, 0.0254 };
+    for (int i = 0; unit_words[i]; i++)
+        if (strcmp(unit, unit_words[i]) == 0)
+            return metres[i];
     return 0.0;
 }
 

@@ -18,7 +18,10 @@ double box_diagonal(const dpt_mesh_info *info);
  */
 const char *size_hint(const dpt_mesh_info *info);
 
-/* Metres of "mm", "cm", "m" or "in"; 0 for any other word. */
+/* The words of --unit, ended by NULL. */
+extern const char *const unit_words[];
+
+/* Metres of one of them; 0 for any other word. */
 double unit_metres(const char *unit);
 
 /* How thick a mesh is: the lengths of rays that go inward from its triangles. */
