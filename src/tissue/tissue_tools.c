@@ -27,6 +27,18 @@ static const struct tissue_body *solved_body(const struct tissue_solve *solve, c
     return NULL;
 }
 
+uint32_t dpti_tissue_substeps(const struct tissue_solve *solve, double dt)
+{
+    uint32_t substeps = 1;
+    for (uint32_t b = 0; b < solve->body_count; b++) {
+        const struct dpt_springs *springs = solve->bodies[b].step.springs;
+        const uint32_t own =
+            solve->is_touched ? dpti_springs_touched_substeps(springs, dt) : dpti_springs_substeps_of(springs, dt);
+        substeps = own > substeps ? own : substeps;
+    }
+    return substeps;
+}
+
 /*
  * s: after which a body's surface is where rows should hold: at the end of a substep, in the mean of all substeps; with
  * EULER at the end of the one after it.
@@ -34,11 +46,7 @@ static const struct tissue_body *solved_body(const struct tissue_solve *solve, c
 static double ahead_of(const struct tissue_solve *solve, const struct tissue_body *body)
 {
     const int is_euler = body->step.springs->def.integrator == DPT_INTEGRATOR_EULER;
-    uint32_t substeps = 1;
-    for (uint32_t b = 0; b < solve->body_count; b++) {
-        const uint32_t own = dpti_springs_substeps_of(solve->bodies[b].step.springs, solve->step);
-        substeps = own > substeps ? own : substeps;
-    }
+    const uint32_t substeps = dpti_tissue_substeps(solve, solve->step);
     return solve->step * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
 }
 
@@ -125,6 +133,10 @@ void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, dou
 {
     solve->touches.count = solve->touches.is_full = solve->tool_count = 0;
     solve->world = world;
+    solve->is_touched = 0;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        solve->is_touched |= (uint32_t)(world->tools[t].force_reason == (uint32_t)DPT_FORCE_ACTS &&
+                                        tool_can_be_solved(world, &world->tools[t]));
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (tool_can_be_solved(world, &world->tools[t])) {
             if (solve->tool_count == TISSUE_TOOLS_MAX)

@@ -139,7 +139,7 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     if (def->step > 0.0) {
         dpt_mesh_info info = { .size = sizeof info };
         dpt_mesh_get_info(body->mesh.mesh, &info);
-        const double share = (def->integrator == DPT_INTEGRATOR_EULER ? 0.3 : 0.5) * info.stable_step / def->step;
+        const double share = (def->integrator == DPT_INTEGRATOR_EULER ? 0.3 : 0.35) * info.stable_step / def->step;
         springs.stiffness = fmin(fmax(share * share, 1e-9), 1e9);
     }
     body->id = rig_add_deformable(&tissue->rig, &deform);
