@@ -36,7 +36,7 @@ static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool 
     vec3 sum = { 0.0, 0.0, 0.0 };
     double pushes = 0.0;
     for (uint32_t r = 0; r < solve->rub_count; r++) {
-        const uint32_t touch = solve->rubs[r].touch, row = tissue_row_of_rub(solve, r);
+        const uint32_t touch = solve->rubs[r].touch, row = solve->rubs[r].row;
         const double push = solve->multiplier[touch];
         if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
             continue;

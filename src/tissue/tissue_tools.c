@@ -213,6 +213,28 @@ static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int i
     proxy->is_sliding = from->is_sliding != 0;
 }
 
+/* The couple of a tool's twist, N. Returns its torque about the device's origin. */
+static vec3 note_twist(const struct tissue_solve *solve, struct dpt_world *world, struct tool *tool,
+                       const struct tissue_twist *twist)
+{
+    const struct touch *touch = &solve->touches.touch[twist->touch];
+    vec3 torque = { 0.0, 0.0, 0.0 };
+    for (uint32_t k = 0; k < 3; k++) {
+        const vec3 push = scaled(twist->push[k], twist->mean);
+        const struct tool_push noted = { .part = touch->part,
+                                         .body_id = touch->body_id,
+                                         .triangle = touch->triangle,
+                                         .at = twist->corner[k],
+                                         .normal = touch->normal,
+                                         .force = scaled(push, -1.0),
+                                         .is_narrow = 1,
+                                         .is_part = 1 };
+        torque = add(torque, cross(sub(twist->corner[k], vec3_of(tool->pose.position)), push));
+        dpti_loads_note_push(world, tool, &noted);
+    }
+    return torque;
+}
+
 /* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
 static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world, const struct tissue_tool *from)
 {
@@ -239,6 +261,8 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         torque = add(torque, cross(sub(tissue_middle(solve, i), vec3_of(tool->pose.position)), push));
         dpti_loads_note_push(world, tool, &noted);
     }
+    if (from->twist.mean != 0.0)
+        torque = add(torque, note_twist(solve, world, tool, &from->twist));
     vec3_store(force, tool->wrench.force);
     vec3_store(torque, tool->wrench.torque);
     tool->force_reason = dot(force, force) > 0.0 ? (uint32_t)DPT_FORCE_ACTS : (uint32_t)DPT_FORCE_FREE;
