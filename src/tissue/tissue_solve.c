@@ -62,7 +62,7 @@ static double lever_product(const double *lever, const double *unknowns)
     return sum;
 }
 
-/* The same of a twist's row: what its couple moves along each axis of the body. */
+/* What a newton of a twist does to the gaps of all: it turns its tool, and its couple moves nodes along each axis. */
 static void give_column_of_twist(struct tissue_solve *solve, const struct tissue_row *row, uint32_t first,
                                  double *column)
 {

@@ -56,8 +56,10 @@ static int load_corner(struct tissue_solve *solve, struct tissue_twist *twist, u
         const uint32_t number =
             weight != 0.0 ? dpti_tissue_node(solve, body, vertices->nodes ? vertices->nodes[k] : vertex) : 0;
         uint32_t at = 0;
-        if (number == DPT_NONE)
+        if (number == DPT_NONE) {
+            solve->is_full = 1;
             return 0;
+        }
         if (weight == 0.0)
             continue;
         while (at < twist->count && twist->node[at] != number)
@@ -118,6 +120,33 @@ static int set_row(const struct tissue_solve *solve, const struct tissue_tool *t
     return square > 0.0;
 }
 
+/*
+ * Over the coefficient of friction, N: a sphere that is pressed in by `depth` touches on a disc of the radius sqrt(2 r depth),
+ * and Coulomb's torsion on a disc under even pressure is 2/3 of its radius times the friction's force. The corners of the
+ * triangle are pulled no more than that. A tool that touches at several places is held by these: there is torsion only as
+ * far as this place holds more than all others.
+ */
+static double limit_of(const struct tissue_solve *solve, const struct tissue_tool *tool)
+{
+    const struct touch *at = &solve->touches.touch[tool->twist.touch];
+    const double radius = radius_at(solve, tool->twist.touch);
+    double here = 0.0, all = 0.0;
+    for (uint32_t i = 0; i < solve->touches.count; i++) {
+        const struct touch *touch = &solve->touches.touch[i];
+        const vec3 away = sub(touch->at, at->at);
+        if (&solve->tools[solve->links[i].tool] != tool)
+            continue;
+        all += solve->multiplier[i];
+        if (touch->part == at->part && touch->body_id == at->body_id && length(away) <= radius + BESIDE)
+            here += solve->multiplier[i];
+    }
+    if (!(2.0 * here > all))
+        return 0.0;
+    const double disc = sqrt(2.0 * radius * here / tool->proxy->coupling.stiffness);
+    const double arm = min_of(min_of(radius, disc), tool->twist.widest);
+    return here * (2.0 * here / all - 1.0) * (2.0 / 3.0) * arm / radius;
+}
+
 /* The tool is held about the normal of a touch that rubs, from now on. */
 static void begin_twist(struct tissue_solve *solve, struct tissue_tool *tool, const struct tissue_rub *rub)
 {
@@ -130,7 +159,8 @@ static void begin_twist(struct tissue_solve *solve, struct tissue_tool *tool, co
                                     .pull = rub->twist,
                                     .hold = rub->hold,
                                     .kinetic = rub->kinetic };
-    if (!set_couple(solve, twist, body) || !set_row(solve, tool, twist, &solve->rows[solve->row_count]))
+    if (!set_couple(solve, twist, body) || !(limit_of(solve, tool) > 0.0) ||
+        !set_row(solve, tool, twist, &solve->rows[solve->row_count]))
         return;
     if (body_has_moved(solve->world, body))
         twist->carried = radius_at(solve, rub->touch) * dot(dpti_body_turned(body), touch->normal);
@@ -208,33 +238,6 @@ void dpti_twists_set_gaps(struct tissue_solve *solve)
         solve->free_gap[twist->row] = turned;
         solve->kind[twist->row] = twist->state == RUB_STICKS ? COMPLEMENTARITY_EQUAL : COMPLEMENTARITY_WATCHED;
     }
-}
-
-/*
- * Over the coefficient of friction, N: a sphere that is pressed in by `depth` touches on a disc of the radius sqrt(2 r depth),
- * and Coulomb's torsion on a disc under even pressure is 2/3 of its radius times the friction's force. The corners of the
- * triangle are pulled no more than that. A tool that touches at several places is held by these: there is torsion only as
- * far as this place holds more than all others.
- */
-static double limit_of(const struct tissue_solve *solve, const struct tissue_tool *tool)
-{
-    const struct touch *at = &solve->touches.touch[tool->twist.touch];
-    const double radius = radius_at(solve, tool->twist.touch);
-    double here = 0.0, all = 0.0;
-    for (uint32_t i = 0; i < solve->touches.count; i++) {
-        const struct touch *touch = &solve->touches.touch[i];
-        const vec3 away = sub(touch->at, at->at);
-        if (&solve->tools[solve->links[i].tool] != tool)
-            continue;
-        all += solve->multiplier[i];
-        if (touch->part == at->part && touch->body_id == at->body_id && length(away) <= radius + BESIDE)
-            here += solve->multiplier[i];
-    }
-    if (!(2.0 * here > all))
-        return 0.0;
-    const double disc = sqrt(2.0 * radius * here / tool->proxy->coupling.stiffness);
-    const double arm = min_of(min_of(radius, disc), tool->twist.widest);
-    return here * (2.0 * here / all - 1.0) * (2.0 / 3.0) * arm / radius;
 }
 
 static int set_slipping(struct tissue_twist *twist, double pull)

@@ -326,6 +326,50 @@ static void what_sticks_does_not_twist(void)
     tissue_rig_close(&tissue);
 }
 
+enum { PRESSED = 400 };
+
+/* A rod is pressed, turned and drawn aside, on a rough ball or sheet: all that it feels. */
+static void press_on(uint32_t kernel, uint32_t kind, uint32_t integrator, dpt_wrench felt[PRESSED])
+{
+    const struct tissue_def def = tissue_asleep(kind, integrator);
+    struct tissue_rig tissue;
+    tissue_rig_open_on(&tissue, kernel);
+    struct tissue_tool *rod = tissue_rig_add_tool(&tissue, &tissue_upright, 667.0);
+    memset(felt, 0, PRESSED * sizeof *felt);
+    if (tissue_rig_add_soft(&tissue, &def)) {
+        tissue_body_roughen(&tissue, &tissue.body[0], HOLD_MU, SLIDE_MU);
+        tissue_rod_lower(&tissue, -0.001);
+        tissue_rig_place(&tissue);
+        for (int t = 0; t < PRESSED; t++) {
+            const double turn[4] = { 1.0, 1e-4, 0.0, 1e-3 };
+            rod->device.position[1] += t > PRESSED / 2 ? TICK : 0.0;
+            rod->device.position[2] -= TICK;
+            pose_turn_by(&rod->device, turn);
+            tissue_rig_tick(&tissue);
+            felt[t] = rod->force.wrench;
+        }
+    }
+    tissue_rig_close(&tissue);
+}
+
+static void all_kernels_have_the_same_bits(void)
+{
+    static dpt_wrench scalar[PRESSED], felt[PRESSED];
+    uint32_t compared = 0;
+    for (int i = 0; i < 2 + (int)part_of(4); i++) {
+        const uint32_t kind = i & 1 ? DPT_NET_SHEET : DPT_NET_VOLUME, integrator = tissue_integrators[i % 3];
+        press_on(DPT_KERNEL_SCALAR, kind, integrator, scalar);
+        CHECK(length3(scalar[PRESSED - 1].force) > 1e-3, "case %d: it is not touched", i);
+        for (uint32_t kernel = DPT_KERNEL_SCALAR + 1; kernel <= DPT_KERNEL_WASM128; kernel++)
+            if (rig_has_kernel(kernel)) {
+                press_on(kernel, kind, integrator, felt);
+                CHECK(!memcmp(felt, scalar, sizeof felt), "case %d: %s has other bits", i, dpt_kernel_name(kernel));
+                compared++;
+            }
+    }
+    printf("    %u runs compared\n", compared);
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
@@ -337,5 +381,6 @@ int main(int argc, char **argv)
     TEST(a_damper_is_felt_while_it_moves);
     TEST(a_touch_resists_a_turn_about_its_normal);
     TEST(what_sticks_does_not_twist);
+    TEST(all_kernels_have_the_same_bits);
     return check_report();
 }
