@@ -46,6 +46,7 @@ struct tissue_twist {
     double widest;         /* m: how far the corners are from their middle, in the mean */
     vec3 corner[3];        /* in the world */
     vec3 push[3];          /* on the tool there, of one newton of it */
+    vec3 torque;           /* m: what these sum up to */
     uint16_t node[TWIST_NODES];
     double force[3][TWIST_NODES]; /* the same on nodes, but against it, in the body's frame: all x, y, z */
 };

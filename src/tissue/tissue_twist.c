@@ -104,17 +104,17 @@ static int set_couple(struct tissue_solve *solve, struct tissue_twist *twist, co
 }
 
 /* Its row: of how the tool's surface turns, times the radius. Returns 0 if the tool has no such turn. */
-static int set_row(const struct tissue_solve *solve, const struct tissue_tool *tool, const struct tissue_twist *twist,
+static int set_row(const struct tissue_solve *solve, const struct tissue_tool *tool, struct tissue_twist *twist,
                    struct tissue_row *row)
 {
     const vec3 none = { 0.0, 0.0, 0.0 };
     double square = 0.0;
-    vec3 torque = none;
     for (uint32_t k = 0; k < 3; k++)
-        torque = add(torque, cross(sub(twist->corner[k], solve->touches.touch[twist->touch].at), twist->push[k]));
+        twist->torque =
+            add(twist->torque, cross(sub(twist->corner[k], solve->touches.touch[twist->touch].at), twist->push[k]));
     *row = (struct tissue_row){ .touch = twist->touch, .is_twist = 1, .along = none, .within = none };
     for (uint32_t k = 3; k < proxy_unknowns(tool->proxy); k++) {
-        row->lever[k] = dot(torque, tool->axes[k - 3]) / proxy_rho_of(tool->proxy, k);
+        row->lever[k] = dot(twist->torque, tool->axes[k - 3]) / proxy_rho_of(tool->proxy, k);
         square += row->lever[k] * row->lever[k];
     }
     return square > 0.0;

@@ -130,6 +130,7 @@ static void what_sticks_does_not_creep(void)
         tremble(&tissue, home, ticks, &seed);
         const dpt_pose to = tissue_tool_last_end(&tissue, rod);
         const double drift = apart(to.position, from.position);
+        printf("    crept by %.3g m in %d ticks\n", drift, ticks);
         CHECK(rod->force.sticking == 1, "it does not stick");
         CHECK(drift < 1e-6, "it crept by %g m in %d ticks", drift, ticks);
     }
