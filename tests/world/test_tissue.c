@@ -221,9 +221,10 @@ static void the_tool_ends_on_the_surface(void)
     }
 }
 
-/* Springs of the same mesh, stepped by hand with the loads that are told, go where the body goes. */
-static void told_loads_move_the_tissue(double load_radius)
+/* Springs of the same mesh, stepped by hand with the loads that are told, go where the body goes; a rough one is twisted. */
+static void told_loads_move_the_tissue(double load_radius, double friction)
 {
+    const double turn[4] = { 1.0, 0.0, 0.0, friction > 0.0 ? 5e-4 : 0.0 };
     struct tissue_rig tissue;
     struct tissue_def def = tissue_asleep(DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC);
     def.load_radius = load_radius;
@@ -241,11 +242,13 @@ static void told_loads_move_the_tissue(double load_radius)
         dpt_springs *other = rig_add_springs(&tissue.rig, &springs);
         const uint32_t nodes = dpt_springs_get_count(other);
         CHECK(nodes <= NODES, "%u nodes", nodes);
+        tissue_body_roughen(&tissue, &tissue.body[0], friction, friction);
         tissue_rod_lower(&tissue, -0.001);
         tissue_rig_place(&tissue);
         for (int t = 0; t < 500; t++) {
             uint32_t count = 0;
             tissue_rod_lower(&tissue, 2e-5 * t - 0.001);
+            pose_turn_by(&tissue.tool[0].device, turn);
             tissue_rig_tick(&tissue);
             dpt_body_get_node_loads(tissue.rig.world, tissue.body[0].id, loads, LOADS, &count);
             CHECK(dpt_springs_step(other, tissue.rig.dt, loads, count, NULL) == DPT_OK, "not stepped");
@@ -262,8 +265,10 @@ static void told_loads_move_the_tissue(double load_radius)
 
 static void what_is_told_moves_the_tissue(void)
 {
-    told_loads_move_the_tissue(0.0);
-    told_loads_move_the_tissue(0.03);
+    told_loads_move_the_tissue(0.0, 0.0);
+    told_loads_move_the_tissue(0.03, 0.0);
+    told_loads_move_the_tissue(0.0, 0.5);
+    told_loads_move_the_tissue(0.03, 0.5);
 }
 
 /* What the loads of the body, at the origin, sum up to; the torque about that. */
