@@ -187,7 +187,8 @@ int dpti_twists_add(struct tissue_solve *solve)
     int has_added = 0;
     for (uint32_t t = 0; t < solve->tool_count; t++) {
         struct tissue_tool *tool = &solve->tools[t];
-        if (tool->twist.is_known || proxy_unknowns(tool->proxy) <= 3)
+        /* The turns of a tool that is locked are its device's. */
+        if (tool->twist.is_known || proxy_unknowns(tool->proxy) <= 3 || solve->world->tools[tool->slot].lock_rotation)
             continue;
         const struct tissue_rub *rub = strongest_rub(solve, tool);
         if (rub)
