@@ -101,7 +101,8 @@ enum { DPT_RESPONSE_LOAD = 0, DPT_RESPONSE_DISPLACE = 1 };
 
 typedef struct dpt_deformable_def {
     uint32_t size;        /* sizeof(dpt_deformable_def), set by dpt_deformable_def_init */
-    uint32_t max_points;  /* where tools push it at one time, for dpt_body_get_loads; 1..65535; 16 */
+    /* Where tools push it at one time, for dpt_body_get_loads; torsion of a tool pushes at three more; 1..65535; 16 */
+    uint32_t max_points;
     const dpt_mesh *mesh; /* its topology, and where the vertices are at first; it must stay open */
     const dpt_pose *pose; /* of the body; read during the call; NULL: the identity */
     /*

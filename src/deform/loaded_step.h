@@ -91,9 +91,12 @@ struct loaded_step {
 /* How many substeps of a stable length dt has; 0 if they are too many. */
 uint32_t dpti_springs_substeps_of(const struct dpt_springs *springs, double dt);
 
-/* Begin a step; dt and the loads on vertices are valid. */
+/* The same where tools touch: with SYMPLECTIC tissue then has a viscosity of three quarters of a substep at least. */
+uint32_t dpti_springs_touched_substeps(const struct dpt_springs *springs, double dt);
+
+/* Begin a step; dt and the loads on vertices are valid. is_touched: it is solved together with tools that touch. */
 void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t substeps,
-                            uint32_t load_count);
+                            uint32_t load_count, int is_touched);
 
 /* Begin a substep: the loads on vertices, and no others, are set. */
 void dpti_loaded_step_set(struct loaded_step *step);

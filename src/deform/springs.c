@@ -23,6 +23,14 @@
  */
 #define LEAST_LEAD 0.01
 
+/*
+ * Of a substep in which tools touch: the least viscosity. Of SYMPLECTIC a push meets the springs where nodes are at its
+ * beginning, and the tool where they are at its end; of IMPLICIT the answer to a change of the loads is not the whole one.
+ * Without viscosity a tool that moves is driven by that.
+ */
+#define TOUCHED_LEAD          0.75
+#define TOUCHED_LEAD_IMPLICIT 0.25
+
 #define GRAVITY_MAX 1e6
 #define SCALE_MIN   1e-9
 #define SCALE_MAX   1e9
@@ -303,21 +311,60 @@ static dpt_result check_loads(const struct dpt_springs *springs, const dpt_load 
     return DPT_OK;
 }
 
+static uint32_t substeps_no_longer_than(double longest, double dt)
+{
+    const uint32_t whole = (uint32_t)(dt / longest);
+    return whole + ((double)whole * longest < dt);
+}
+
 uint32_t dpti_springs_substeps_of(const struct dpt_springs *springs, double dt)
 {
     if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
         return 1;
     const double longest = STABLE_SHARE * springs->stable_step;
-    if (!(dt <= longest * (double)springs->def.max_substeps))
-        return 0;
-    const uint32_t whole = (uint32_t)(dt / longest);
-    return whole + ((double)whole * longest < dt);
+    return dt <= longest * (double)springs->def.max_substeps ? substeps_no_longer_than(longest, dt) : 0;
+}
+
+uint32_t dpti_springs_touched_substeps(const struct dpt_springs *springs, double dt)
+{
+    const uint32_t own = dpti_springs_substeps_of(springs, dt), most = springs->def.max_substeps;
+    if (springs->def.integrator != DPT_INTEGRATOR_SYMPLECTIC ||
+        springs->net.viscosity * (double)own >= TOUCHED_LEAD * dt)
+        return own;
+    /* A step d with a viscosity of v d is stable where d^2 omega^2 (1 + 2 v) <= 4. */
+    const double root = sqrt((1.0 + 2.0 * TOUCHED_LEAD * STABLE_SHARE) * springs->square);
+    const double longest = min_of(2.0 * STABLE_SHARE / root, DPT_SPRINGS_STEP_MAX);
+    if (!(dt <= longest * (double)most))
+        return own ? most : 0;
+    const uint32_t substeps = substeps_no_longer_than(longest, dt);
+    return substeps > own ? substeps : own;
+}
+
+/* s: what SYMPLECTIC has at least; no more than what is stable. */
+static double least_lead(const struct dpt_springs *springs, double h, int is_touched)
+{
+    const double d = h / STABLE_SHARE, stable = 0.5 * (4.0 / (springs->square * d) - d);
+    return max_of(LEAST_LEAD * h, is_touched ? min_of(TOUCHED_LEAD * h, stable) : 0.0);
+}
+
+/* Springs are taken where nodes are after the lead. */
+static void set_lead(struct dpt_springs *springs, double least)
+{
+    const struct active_region *region = &springs->region;
+    const double lead = max_of(springs->net.viscosity, least);
+    if (springs->lead == lead)
+        return;
+    springs->lead = lead;
+    springs->solve.step = 0.0;
+    for (uint32_t i = 0; i < region->count; i++)
+        springs->kernel.spring_points(springs->state[springs->now] + region->slices[i], (float)lead,
+                                      springs->points[springs->at] + SPRING_POINTS * (size_t)region->slices[i]);
 }
 
 void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t substeps,
-                            uint32_t load_count)
+                            uint32_t load_count, int is_touched)
 {
-    const double h = dt / (double)substeps, min = LEAST_LEAD * h;
+    const double h = dt / (double)substeps;
     *step = (struct loaded_step){
         .springs = springs, .dt = dt, .load_count = load_count, .info = { .size = sizeof step->info }
     };
@@ -326,11 +373,13 @@ void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *spring
     step->info.stable_step = springs->stable_step;
     springs->loaded = 1 - springs->loaded;
     if (springs->def.integrator == DPT_INTEGRATOR_SYMPLECTIC)
-        springs->lead = springs->net.viscosity > min ? springs->net.viscosity : min;
-    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
+        set_lead(springs, least_lead(springs, h, is_touched));
+    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT) {
+        set_lead(springs, is_touched ? TOUCHED_LEAD_IMPLICIT * h : 0.0);
         dpti_implicit_step_begin(&step->implicit, springs, h, substeps);
-    else
+    } else {
         dpti_explicit_begin(&step->explicit, springs, h);
+    }
 }
 
 static int is_implicit(const struct loaded_step *step)
@@ -440,7 +489,7 @@ void dpti_loaded_step_undo(struct loaded_step *step)
 static int make(struct loaded_step *step, struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
                 const struct spring_vertices *vertices)
 {
-    dpti_loaded_step_begin(step, springs, dt, dpti_springs_substeps_of(springs, dt), 0);
+    dpti_loaded_step_begin(step, springs, dt, dpti_springs_substeps_of(springs, dt), 0, 0);
     set_loads(&springs->loads[springs->loaded], loads, count, vertices);
     wake(step);
     if (is_implicit(step))

@@ -149,7 +149,8 @@ void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, const stru
 {
     const struct body *body = world_find_body(world, push->body_id);
     if (!deform_of(body)) {
-        note_point(world, tool, push->part, push->body_id, push->triangle, push->at, push->force);
+        if (!push->is_part)
+            note_point(world, tool, push->part, push->body_id, push->triangle, push->at, push->force);
         return;
     }
     const struct load_place place = { .segment = push->part, .source = body->surface.sources[push->triangle] };
@@ -162,7 +163,8 @@ void dpti_loads_note_push(struct dpt_world *world, struct tool *tool, const stru
                                       .force = frame_turn_back(&body->frame, push->force),
                                       .normal = normal };
     note_deform(world, tool, deform_of(body), &point);
-    note(world, tool, &place, body, frame_to_world(&body->frame, point.at), push->force);
+    if (!push->is_part)
+        note(world, tool, &place, body, frame_to_world(&body->frame, point.at), push->force);
 }
 
 static void forget_on(const struct dpt_world *world, const struct tool *tool, struct deform *deform)

@@ -31,6 +31,7 @@ struct tool_push {
     double depth;       /* m: so far beneath it lies the mean of what it loads, where the force acts */
     vec3 force;         /* N, on the body; not 0 */
     uint32_t is_narrow; /* 1: it is not spread */
+    uint32_t is_part;   /* 1: of a couple, which the wrench has beside the tool's loads */
 };
 
 /* Note it. */

@@ -36,7 +36,7 @@ static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool 
     vec3 sum = { 0.0, 0.0, 0.0 };
     double pushes = 0.0;
     for (uint32_t r = 0; r < solve->rub_count; r++) {
-        const uint32_t touch = solve->rubs[r].touch, row = tissue_row_of_rub(solve, r);
+        const uint32_t touch = solve->rubs[r].touch, row = solve->rubs[r].row;
         const double push = solve->multiplier[touch];
         if (!(push > 0.0) || &solve->tools[solve->links[touch].tool] != from)
             continue;
@@ -50,6 +50,32 @@ static vec3 creep_of(const struct tissue_solve *solve, const struct tissue_tool 
         pushes += push;
     }
     return pushes > 0.0 ? scaled(sum, 1.0 / pushes) : sum;
+}
+
+/*
+ * As far as its row does not tell, turns of a tool that follow each other do not add up about the normal of its twist: it
+ * would turn there by and by. What is missing is added, about the touch.
+ */
+static void hold_twist(const struct tissue_solve *solve, const struct tissue_tool *from, const struct proxy_pose *last,
+                       const struct proxy_pose *end, struct displacement *way)
+{
+    const struct tissue_twist *twist = &from->twist;
+    if (!twist->row)
+        return;
+    const struct touch *touch = &solve->touches.touch[twist->touch];
+    const vec3 turn = quaternion_rotation_vector(quaternion_product(end->turn, quaternion_inverse(last->turn)));
+    const double *lever = solve->rows[twist->row].lever;
+    double unknowns[TOUCH_DIMENSIONS] = { 0.0 }, missed = dot(turn, twist->torque), size = 0.0;
+    for (uint32_t k = 3; k < TOUCH_DIMENSIONS; k++)
+        missed -= lever[k] * (from->end[k] - from->begin[k]);
+    for (uint32_t k = 3; k < TOUCH_DIMENSIONS; k++)
+        size += lever[k] * lever[k];
+    for (uint32_t k = 3; k < TOUCH_DIMENSIONS; k++)
+        unknowns[k] = -missed / size * lever[k];
+    struct displacement more = dpti_proxy_of_unknowns(from->proxy, from->axes, unknowns);
+    const vec3 arm = sub(touch->at, end->centre);
+    more.shift = sub(more.shift, cross(more.turn, arm));
+    *way = displacement_sum(way, 1.0, &more);
 }
 
 /* N: all pushes of the touches of a tool. */
@@ -75,6 +101,8 @@ static void note_end(const struct tissue_solve *solve, struct tissue_tool *from,
     from->is_held = from->is_pushed && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
     const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
     struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
+    hold_twist(solve, from, &last, &end, &way);
+    end = dpti_proxy_moved(proxy, &from->at, &way);
     way.shift = sub(way.shift, creep_of(solve, from, &last, &end));
     end = dpti_proxy_moved(proxy, &from->at, &way);
     proxy->end_motion = dpti_proxy_displacement(proxy, &last, &end);

@@ -5,6 +5,7 @@
 
 #include "proxy/proxy_force.h"
 #include "tissue/tissue_link.h"
+#include "tissue/tissue_twist.h"
 #include "track/tool_parts.h"
 
 /* As a share of itself: what a rub that slips pulls with is found when it changes by less. */
@@ -24,6 +25,7 @@ void dpti_rubs_begin(struct tissue_solve *solve)
         if (rub->state != RUB_SLIPS)
             rub->against = (vec3){ 0.0, 0.0, 0.0 };
     }
+    dpti_twists_begin(solve);
 }
 
 /* How far others moved the point of a touch before this tick: poses, and of what is not stepped here vertices, too. */
@@ -51,13 +53,16 @@ static int add_rub(struct tissue_solve *solve, uint32_t index)
     if (solve->rub_count == TISSUE_RUBS_MAX)
         return 0;
     const vec3 carried = carried_of(solve, touch, body);
-    struct tissue_row *row = &solve->rows[tissue_row_count(solve)];
+    struct tissue_row *row = &solve->rows[solve->row_count];
     struct tissue_rub *rub = &solve->rubs[solve->rub_count++];
     vec3 tangents[2];
     unit_across(touch->normal, tangents);
-    *rub = (struct tissue_rub){
-        .touch = index, .state = RUB_STICKS, .hold = body->static_friction, .kinetic = body->kinetic_friction
-    };
+    *rub = (struct tissue_rub){ .touch = index,
+                                .row = solve->row_count,
+                                .state = RUB_STICKS,
+                                .hold = body->static_friction,
+                                .kinetic = body->kinetic_friction };
+    solve->row_count += 2;
     for (int d = 0; d < 2; d++) {
         rub->carried[d] = dot(carried, tangents[d]);
         row[d] = (struct tissue_row){ .touch = index,
@@ -89,7 +94,8 @@ void dpti_rubs_set_known(struct tissue_solve *solve)
     for (uint32_t r = 0; r < solve->rub_count; r++)
         for (uint32_t d = 0; d < 2; d++)
             if (solve->rubs[r].state == RUB_SLIPS)
-                add_known(solve, &solve->rows[tissue_row_of_rub(solve, r) + d], solve->rubs[r].pull[d]);
+                add_known(solve, &solve->rows[solve->rubs[r].row + d], solve->rubs[r].pull[d]);
+    dpti_twists_set_known(solve);
 }
 
 static int set_open(struct tissue_rub *rub)
@@ -106,14 +112,14 @@ static void set_slipping(struct tissue_solve *solve, uint32_t r, vec3 against, d
     rub->state = RUB_SLIPS;
     rub->against = against;
     for (uint32_t d = 0; d < 2; d++)
-        rub->pull[d] = rub->kinetic * push * dot(against, solve->rows[tissue_row_of_rub(solve, r) + d].along);
+        rub->pull[d] = rub->kinetic * push * dot(against, solve->rows[solve->rubs[r].row + d].along);
 }
 
 /* A rub that sticks pulls with what its equalities need. */
 static int update_sticking(struct tissue_solve *solve, uint32_t r, double push)
 {
-    const struct tissue_row *row = &solve->rows[tissue_row_of_rub(solve, r)];
-    const double *pull = &solve->multiplier[tissue_row_of_rub(solve, r)];
+    const struct tissue_row *row = &solve->rows[solve->rubs[r].row];
+    const double *pull = &solve->multiplier[solve->rubs[r].row];
     const struct tissue_rub *rub = &solve->rubs[r];
     const int is_sliding = solve->tools[solve->links[rub->touch].tool].is_sliding != 0;
     const double size = sqrt(pull[0] * pull[0] + pull[1] * pull[1]);
@@ -141,8 +147,8 @@ static double compliance_of(struct tissue_solve *solve, const struct tissue_row 
 static int update_slipping(struct tissue_solve *solve, uint32_t r, double push, int may_stick)
 {
     struct tissue_rub *rub = &solve->rubs[r];
-    const struct tissue_row *row = &solve->rows[tissue_row_of_rub(solve, r)];
-    const double *moved = &solve->problem.gap[tissue_row_of_rub(solve, r)];
+    const struct tissue_row *row = &solve->rows[solve->rubs[r].row];
+    const double *moved = &solve->problem.gap[solve->rubs[r].row];
     const double last[2] = { rub->pull[0], rub->pull[1] };
     const double driven = last[0] * moved[0] + last[1] * moved[1];
     if (may_stick && !rub->has_returned && driven > DRIVEN * sqrt(last[0] * last[0] + last[1] * last[1])) {
@@ -196,7 +202,10 @@ int dpti_rubs_take(struct tissue_solve *solve, uint32_t touch, const struct held
     const uint32_t r = solve->rub_count;
     if (!add_rub(solve, touch))
         return 0;
-    if (solve->rub_count > r && dot(held->against, held->against) > 0.0)
+    if (solve->rub_count == r)
+        return 1;
+    solve->rubs[r].twist = held->twist;
+    if (dot(held->against, held->against) > 0.0)
         set_slipping(solve, r, held->against, held->push);
     return 1;
 }
@@ -242,6 +251,7 @@ int dpti_rubs_update(struct tissue_solve *solve, int may_stick)
             solve->is_full = 1;
     for (uint32_t r = known; r < solve->rub_count; r++)
         begin_rub(solve, r, solve->multiplier[solve->rubs[r].touch], may_stick);
+    has_changed |= dpti_twists_update(solve, may_stick);
     return has_changed || solve->rub_count > known;
 }
 

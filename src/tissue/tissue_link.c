@@ -36,6 +36,11 @@ static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t no
     return solve->node_count - 1;
 }
 
+uint32_t dpti_tissue_node(struct tissue_solve *solve, uint32_t body, uint32_t node)
+{
+    return number_of(solve, body, node, TISSUE_NODES_MAX);
+}
+
 /* A touch's link, being made. */
 struct linking {
     struct tissue_solve *solve;
@@ -211,6 +216,9 @@ void dpti_tissue_link(struct tissue_solve *solve)
         has_room = link_touch(solve, i, 0);
     if (!has_room)
         link_nearest(solve);
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        memset(&solve->tools[t].twist, 0, sizeof solve->tools[t].twist);
+    solve->row_count = solve->touches.count;
 }
 
 /* A node of the solve that a load on one of them moves, too, and how far, m/N. Goes on as dpti_loaded_step_neighbour. */

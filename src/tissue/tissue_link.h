@@ -8,6 +8,9 @@
 /* After touches were gathered and the bodies' steps have begun: links, and the nodes of the touches. */
 void dpti_tissue_link(struct tissue_solve *solve);
 
+/* The number of a body's node in the solve, which is made if there is none; DPT_NONE without room. */
+uint32_t dpti_tissue_node(struct tissue_solve *solve, uint32_t body, uint32_t node);
+
 /* How a newton of a touch moves nodes, m: into `spread`. And zero again. */
 void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link);
 void dpti_tissue_clear_spread(struct tissue_solve *solve, const struct tissue_link *link);

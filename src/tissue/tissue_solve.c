@@ -6,6 +6,7 @@
 #include "proxy/proxy.h"
 #include "tissue/tissue_friction.h"
 #include "tissue/tissue_link.h"
+#include "tissue/tissue_twist.h"
 
 /* m: a gap of no less than minus that counts as met. */
 #define TOLERANCE 1e-10
@@ -13,12 +14,10 @@
 /* The share of a missing gap that is made good in a substep. */
 #define RECOVERED 0.2
 
-/* Where the loads that are set would take the touched nodes: all of a slice at once. */
+/* Where the loads that are set would take the nodes of which that is not known: all of a slice at once. */
 static void foresee(struct tissue_solve *solve)
 {
     double moved[SPRING_ROWS], slid[SPRING_ROWS];
-    for (uint32_t i = 0; i < solve->node_count; i++)
-        solve->nodes[i].is_foreseen = 0;
     for (uint32_t i = 0; i < solve->node_count; i++) {
         const uint32_t body = solve->nodes[i].body, slice = solve->nodes[i].node / LANES;
         struct loaded_step *step = &solve->bodies[body].step;
@@ -55,6 +54,43 @@ double dpti_tissue_yield(const struct tissue_solve *solve, uint32_t touch, uint3
     return link->yields * near * near * dot(at->normal, from->normal);
 }
 
+static double lever_product(const double *lever, const double *unknowns)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        sum += lever[k] * unknowns[k];
+    return sum;
+}
+
+/* What a newton of a twist does to the gaps of all: it turns its tool, and its couple moves nodes along each axis. */
+static void give_column_of_twist(struct tissue_solve *solve, const struct tissue_row *row, uint32_t first,
+                                 double *column)
+{
+    const struct tissue_link *link = &solve->links[row->touch];
+    struct tissue_tool *tool = &solve->tools[link->tool];
+    for (uint32_t i = first; i < solve->row_count; i++)
+        column[i] = solve->links[solve->rows[i].touch].tool == link->tool
+                        ? lever_product(row->lever, solve->rows[i].lever) / tool->stiffness
+                        : 0.0;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        const struct tissue_link part = dpti_twist_part(solve, &tool->twist, axis);
+        dpti_tissue_spread_touch(solve, &part);
+        for (uint32_t i = first; i < solve->row_count; i++) {
+            const struct tissue_row *other = &solve->rows[i];
+            const struct tissue_link *its = &solve->links[other->touch];
+            double sum = 0.0;
+            if (its->body != link->body)
+                continue;
+            for (uint32_t k = 0; k < its->count && !other->is_twist; k++)
+                sum += its->weight[k] * solve->spread[its->node[k]];
+            column[i] += other->is_twist ? dpti_twist_product(solve, &solve->tools[its->tool].twist, twist_axis(axis))
+                                         : sum * dot(other->within, twist_axis(axis));
+        }
+        dpti_tissue_clear_spread(solve, &part);
+    }
+    work_spend(&solve->work, 3 * (solve->row_count - first));
+}
+
 /* What a newton along one row does to the gaps of all: it moves its tool away, and its nodes. */
 static void give_column(void *user, uint32_t index, uint32_t first, double *column)
 {
@@ -63,12 +99,18 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
     const struct tissue_link *link = &solve->links[row->touch];
     const double stiffness = solve->tools[link->tool].stiffness;
     uint32_t products = link->count;
+    if (row->is_twist) {
+        give_column_of_twist(solve, row, first, column);
+        return;
+    }
     dpti_tissue_spread_touch(solve, link);
-    for (uint32_t i = first; i < tissue_row_count(solve); i++) {
+    for (uint32_t i = first; i < solve->row_count; i++) {
         const struct tissue_row *other = &solve->rows[i];
         const struct tissue_link *its = &solve->links[other->touch];
         double sum = 0.0;
-        if (link->body != DPT_NONE && its->body == link->body) {
+        if (other->is_twist && link->body != DPT_NONE && its->body == link->body) {
+            sum = dpti_twist_product(solve, &solve->tools[its->tool].twist, row->within);
+        } else if (link->body != DPT_NONE && its->body == link->body) {
             for (uint32_t k = 0; k < its->count; k++)
                 sum += its->weight[k] * solve->spread[its->node[k]];
             products += its->count;
@@ -87,14 +129,6 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
     }
     work_spend(&solve->work, products / LANES + 1);
     dpti_tissue_clear_spread(solve, link);
-}
-
-static double lever_product(const double *lever, const double *unknowns)
-{
-    double sum = 0.0;
-    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-        sum += lever[k] * unknowns[k];
-    return sum;
 }
 
 /* How far the point of a touch would slide in the substep, without the pushes that are to be found; or had moved before. */
@@ -138,7 +172,7 @@ static void set_gaps_of_rubs(struct tissue_solve *solve)
     const double share = 1.0 / (double)solve->bodies[0].step.info.substeps;
     for (uint32_t r = 0; r < solve->rub_count; r++)
         for (uint32_t d = 0; d < 2; d++) {
-            const uint32_t i = tissue_row_of_rub(solve, r) + d;
+            const uint32_t i = solve->rubs[r].row + d;
             const struct tissue_row *row = &solve->rows[i];
             const struct tissue_link *link = &solve->links[row->touch];
             const struct tissue_tool *tool = &solve->tools[link->tool];
@@ -157,11 +191,13 @@ static struct touch_name name_of(const struct touch *touch)
 static void take_held(struct tissue_solve *solve)
 {
     struct complementarity *problem = &solve->problem;
+    memset(solve->multiplier, 0, solve->touches.count * sizeof *solve->multiplier);
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct touch_name name = name_of(&solve->touches.touch[i]);
         for (uint32_t k = 0; k < solve->held_count; k++)
             if (!memcmp(&name, &solve->held[k].name, sizeof name)) {
                 problem->active[problem->active_count++] = i;
+                solve->multiplier[i] = solve->held[k].push;
                 if (!dpti_rubs_take(solve, i, &solve->held[k]))
                     solve->is_full = 1;
             }
@@ -182,8 +218,16 @@ static void begin_problem(struct tissue_solve *solve)
     if (!solve->is_begun) {
         problem->active_count = 0;
         take_held(solve);
+        dpti_twists_add(solve);
     }
     solve->is_begun = 1;
+}
+
+/* What the twist at a touch pulls with, if it slips. */
+static double twist_at(const struct tissue_solve *solve, uint32_t touch)
+{
+    const struct tissue_twist *twist = &solve->tools[solve->links[touch].tool].twist;
+    return twist->row && twist->touch == touch && twist->state == RUB_SLIPS ? twist->pull : 0.0;
 }
 
 static void note_held(struct tissue_solve *solve)
@@ -191,18 +235,20 @@ static void note_held(struct tissue_solve *solve)
     solve->held_count = 0;
     for (uint32_t i = 0; i < solve->touches.count && solve->held_count < COMPLEMENTARITY_ACTIVE_MAX; i++)
         if (solve->multiplier[i] > 0.0)
-            solve->held[solve->held_count++] = (struct held_touch){ name_of(&solve->touches.touch[i]),
-                                                                    solve->multiplier[i], dpti_rubs_against(solve, i) };
+            solve->held[solve->held_count++] =
+                (struct held_touch){ name_of(&solve->touches.touch[i]), solve->multiplier[i],
+                                     dpti_rubs_against(solve, i), twist_at(solve, i) };
 }
 
 /* One pass: pushes, and the pulls of what sticks, beside the pulls of what slips. */
 static void solve_pass(struct tissue_solve *solve)
 {
     struct complementarity *problem = &solve->problem;
-    problem->count = tissue_row_count(solve);
+    problem->count = solve->row_count;
     dpti_rubs_set_known(solve);
     set_gaps_of_touches(solve);
     set_gaps_of_rubs(solve);
+    dpti_twists_set_gaps(solve);
     if (dpti_complementarity_solve(problem) != COMPLEMENTARITY_SOLVED)
         solve->is_full = 1;
     memset(solve->multiplier, 0, problem->count * sizeof *solve->multiplier);
@@ -216,7 +262,10 @@ static void take_pulls(struct tissue_solve *solve)
     for (uint32_t r = 0; r < solve->rub_count; r++)
         for (uint32_t d = 0; d < 2; d++)
             if (solve->rubs[r].state == RUB_SLIPS)
-                solve->multiplier[tissue_row_of_rub(solve, r) + d] = solve->rubs[r].pull[d];
+                solve->multiplier[solve->rubs[r].row + d] = solve->rubs[r].pull[d];
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        if (solve->tools[t].twist.row && solve->tools[t].twist.state == RUB_SLIPS)
+            solve->multiplier[solve->tools[t].twist.row] = solve->tools[t].twist.pull;
 }
 
 /* Each row pushes its nodes away from the tool. */
@@ -224,13 +273,21 @@ static void find_loads(struct tissue_solve *solve)
 {
     for (uint32_t i = 0; i < solve->node_count; i++)
         solve->nodes[i].load = (vec3){ 0.0, 0.0, 0.0 };
-    for (uint32_t i = 0; i < tissue_row_count(solve); i++) {
+    for (uint32_t i = 0; i < solve->row_count; i++) {
         const struct tissue_link *link = &solve->links[solve->rows[i].touch];
         if (solve->multiplier[i] == 0.0)
             continue;
         for (uint32_t k = 0; k < link->count; k++) {
             vec3 *load = &solve->nodes[link->node[k]].load;
             *load = along(*load, -solve->multiplier[i] * link->weight[k], solve->rows[i].within);
+        }
+    }
+    for (uint32_t t = 0; t < solve->tool_count; t++) {
+        const struct tissue_twist *twist = &solve->tools[t].twist;
+        const double pull = twist->row ? solve->multiplier[twist->row] : 0.0;
+        for (uint32_t k = 0; k < twist->count && pull != 0.0; k++) {
+            vec3 *load = &solve->nodes[twist->node[k]].load;
+            *load = along(*load, -pull, (vec3){ twist->force[0][k], twist->force[1][k], twist->force[2][k] });
         }
     }
     dpti_tissue_answer(solve);
@@ -260,9 +317,11 @@ double dpti_tissue_solve(struct tissue_solve *solve)
 {
     for (uint32_t b = 0; b < solve->body_count; b++)
         dpti_loaded_step_set(&solve->bodies[b].step);
-    foresee(solve);
+    for (uint32_t i = 0; i < solve->node_count; i++)
+        solve->nodes[i].is_foreseen = 0;
     begin_problem(solve);
     for (int pass = 1, is_last = 0;; pass++) {
+        foresee(solve);
         solve_pass(solve);
         if (is_last || pass == PASSES)
             break;
@@ -296,7 +355,7 @@ static void move_tools(struct tissue_solve *solve, double share)
     note_yields(solve);
     for (uint32_t t = 0; t < solve->tool_count; t++)
         memcpy(solve->tools[t].end, solve->tools[t].away, sizeof solve->tools[t].end);
-    for (uint32_t i = 0; i < tissue_row_count(solve); i++) {
+    for (uint32_t i = 0; i < solve->row_count; i++) {
         const struct tissue_row *row = &solve->rows[i];
         struct tissue_tool *tool = &solve->tools[solve->links[row->touch].tool];
         if (solve->multiplier[i] == 0.0)
@@ -305,6 +364,9 @@ static void move_tools(struct tissue_solve *solve, double share)
         for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
             tool->end[k] += solve->multiplier[i] * row->lever[k] / tool->stiffness;
     }
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        if (solve->tools[t].twist.row)
+            solve->tools[t].twist.mean += share * solve->multiplier[solve->tools[t].twist.row];
     for (uint32_t t = 0; t < solve->tool_count; t++)
         for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
             solve->tools[t].felt[k] += share * (solve->tools[t].end[k] - solve->tools[t].device[k]);

@@ -15,7 +15,8 @@ enum {
     TISSUE_TABLE = 4096,
     TISSUE_BODIES_MAX = 16,
     TISSUE_TOOLS_MAX = 16,
-    TISSUE_RUBS_MAX = 64
+    TISSUE_RUBS_MAX = 64,
+    TWIST_NODES = 12
 };
 
 /* A body whose springs are stepped. */
@@ -23,6 +24,31 @@ struct tissue_body {
     uint32_t number; /* the caller's */
     const struct body *body;
     struct loaded_step step;
+};
+
+enum { RUB_OPEN, RUB_STICKS, RUB_SLIPS };
+
+/*
+ * Friction against a tool's turn about the normal of a touch: a couple on the corners of the touched triangle. Its row is of
+ * how far the tool turns on the surface, times the tool's radius there.
+ */
+struct tissue_twist {
+    uint32_t is_known; /* 1: it was looked for since touches were linked */
+    uint32_t touch;
+    uint32_t row; /* 0: there is none */
+    uint32_t state;
+    uint32_t has_returned; /* as of a rub */
+    uint32_t count;        /* of nodes */
+    double hold, kinetic;  /* friction's share of the push */
+    double carried;        /* m: how far the surface was turned since the last step, by others */
+    double pull;           /* N, while it slips */
+    double mean;           /* N: of all substeps */
+    double widest;         /* m: how far the corners are from their middle, in the mean */
+    vec3 corner[3];        /* in the world */
+    vec3 push[3];          /* on the tool there, of one newton of it */
+    vec3 torque;           /* m: what these sum up to */
+    uint16_t node[TWIST_NODES];
+    double force[3][TWIST_NODES]; /* the same on nodes, but against it, in the body's frame: all x, y, z */
 };
 
 /* A tool that touches. Its unknowns are those of a motion from the proxy's pose. */
@@ -41,9 +67,10 @@ struct tissue_tool {
     double end[TOUCH_DIMENSIONS];    /* to where it was at the end of the last substep */
     double known[TOUCH_DIMENSIONS];  /* to where it would be with the pushes that are known, of friction that slides */
     double felt[TOUCH_DIMENSIONS];   /* from the device to its end pose: the mean of all substeps */
-    uint32_t is_pushed;              /* something pushes it */
-    uint32_t is_held;                /* and it has not turned too far from its device to be held there */
-    dpt_pose last_end;               /* the proxy's before the step, if that is undone */
+    struct tissue_twist twist;
+    uint32_t is_pushed; /* something pushes it */
+    uint32_t is_held;   /* and it has not turned too far from its device to be held there */
+    dpt_pose last_end;  /* the proxy's before the step, if that is undone */
     struct displacement last_end_motion;
 };
 
@@ -84,25 +111,26 @@ struct spread_touch {
     double unfelt; /* as that of its link */
 };
 
-/* A direction along which a touch may push: its normal, or a tangent. */
+/* A direction along which a touch may push: its normal, or a tangent; or the twist of its tool. */
 struct tissue_row {
     uint32_t touch;
+    uint32_t is_twist;
     vec3 along;                     /* unit, in the world */
     vec3 within;                    /* the same, in the body's frame */
     double lever[TOUCH_DIMENSIONS]; /* how the tool moves along it with its unknowns */
 };
 
-enum { RUB_OPEN, RUB_STICKS, RUB_SLIPS };
-
 /* The friction of a touch that pushes: its rows are two tangents. */
 struct tissue_rub {
     uint32_t touch;
+    uint32_t row; /* the first one */
     uint32_t state;
     uint32_t has_returned; /* 1: it slipped in this solve, and friction would have driven it on */
     vec3 against;         /* unit, in the world: which way it pulled as it began to slip in this solve; 0: it did not */
     double hold, kinetic; /* friction's share of the push, while it sticks and while it slips */
     double carried[2];    /* m: how far the surface was moved along the tangents since the last step, by others */
     double pull[2];       /* N, along them: of one that slips it is known */
+    double twist;         /* N: of the twist about its normal, if it was there in the last step, and slipped */
 };
 
 /* A touch that held at the end of a step: by what it is known again in the next one, and how it rubbed. */
@@ -113,6 +141,7 @@ struct held_touch {
     struct touch_name name;
     double push;  /* N */
     vec3 against; /* of its rub; 0: it did not slip */
+    double twist; /* as of a rub */
 };
 
 struct tissue_solve {
@@ -124,10 +153,12 @@ struct tissue_solve {
     uint32_t tool_count;
     uint32_t node_count;
     uint32_t rub_count;
-    uint32_t is_begun; /* 1: there was a substep since touches were linked */
-    uint32_t tick;     /* the world's, in which its answer was told */
-    uint32_t repeats;  /* how often in a row the answer was the same */
-    uint32_t is_full;  /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
+    uint32_t row_count;  /* of all touches, then two of each rub and one of each twist, as they come */
+    uint32_t is_begun;   /* 1: there was a substep since touches were linked */
+    uint32_t is_touched; /* 1: a tool's proxy does not reach its device in this tick */
+    uint32_t tick;       /* the world's, in which its answer was told */
+    uint32_t repeats;    /* how often in a row the answer was the same */
+    uint32_t is_full; /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
     struct tissue_body bodies[TISSUE_BODIES_MAX];
     struct tissue_tool tools[TISSUE_TOOLS_MAX];
     double told[TISSUE_TOOLS_MAX][TOUCH_DIMENSIONS]; /* what each tool felt then */
@@ -140,10 +171,10 @@ struct tissue_solve {
     uint16_t weighted[TISSUE_WEIGHTS_MAX];
     double weight[TISSUE_WEIGHTS_MAX];
     struct tissue_rub rubs[TISSUE_RUBS_MAX];
-    struct tissue_row rows[COMPLEMENTARITY_MAX]; /* of all touches, then two of each rub */
-    uint8_t kind[COMPLEMENTARITY_MAX];           /* of the rows, for the solver */
-    uint32_t table[TISSUE_TABLE];                /* one more than a node's number; 0: none */
-    double spread[TISSUE_NODES_MAX];             /* how a newton of one touch moves each node; zero between uses */
+    struct tissue_row rows[COMPLEMENTARITY_MAX];
+    uint8_t kind[COMPLEMENTARITY_MAX]; /* of the rows, for the solver */
+    uint32_t table[TISSUE_TABLE];      /* one more than a node's number; 0: none */
+    double spread[TISSUE_NODES_MAX];   /* how a newton of one touch moves each node; zero between uses */
     double free_gap[COMPLEMENTARITY_MAX];
     double multiplier[COMPLEMENTARITY_MAX]; /* N, of each row in a substep */
     vec3 push[TOUCHES_MAX];                 /* N, of each touch on its tool, in the world: the mean of all substeps */
@@ -158,17 +189,6 @@ struct tissue_solve {
 static inline vec3 tissue_middle(const struct tissue_solve *solve, uint32_t touch)
 {
     return along(solve->touches.touch[touch].at, -solve->links[touch].depth, solve->touches.touch[touch].normal);
-}
-
-/* The rows of a rub. */
-static inline uint32_t tissue_row_of_rub(const struct tissue_solve *solve, uint32_t rub)
-{
-    return solve->touches.count + 2 * rub;
-}
-
-static inline uint32_t tissue_row_count(const struct tissue_solve *solve)
-{
-    return tissue_row_of_rub(solve, solve->rub_count);
 }
 
 #endif

@@ -27,6 +27,18 @@ static const struct tissue_body *solved_body(const struct tissue_solve *solve, c
     return NULL;
 }
 
+uint32_t dpti_tissue_substeps(const struct tissue_solve *solve, double dt)
+{
+    uint32_t substeps = 1;
+    for (uint32_t b = 0; b < solve->body_count; b++) {
+        const struct dpt_springs *springs = solve->bodies[b].step.springs;
+        const uint32_t own =
+            solve->is_touched ? dpti_springs_touched_substeps(springs, dt) : dpti_springs_substeps_of(springs, dt);
+        substeps = own > substeps ? own : substeps;
+    }
+    return substeps;
+}
+
 /*
  * s: after which a body's surface is where rows should hold: at the end of a substep, in the mean of all substeps; with
  * EULER at the end of the one after it.
@@ -34,11 +46,7 @@ static const struct tissue_body *solved_body(const struct tissue_solve *solve, c
 static double ahead_of(const struct tissue_solve *solve, const struct tissue_body *body)
 {
     const int is_euler = body->step.springs->def.integrator == DPT_INTEGRATOR_EULER;
-    uint32_t substeps = 1;
-    for (uint32_t b = 0; b < solve->body_count; b++) {
-        const uint32_t own = dpti_springs_substeps_of(solve->bodies[b].step.springs, solve->step);
-        substeps = own > substeps ? own : substeps;
-    }
+    const uint32_t substeps = dpti_tissue_substeps(solve, solve->step);
     return solve->step * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
 }
 
@@ -125,6 +133,10 @@ void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, dou
 {
     solve->touches.count = solve->touches.is_full = solve->tool_count = 0;
     solve->world = world;
+    solve->is_touched = 0;
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        solve->is_touched |= (uint32_t)(world->tools[t].force_reason == (uint32_t)DPT_FORCE_ACTS &&
+                                        tool_can_be_solved(world, &world->tools[t]));
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
         if (tool_can_be_solved(world, &world->tools[t])) {
             if (solve->tool_count == TISSUE_TOOLS_MAX)
@@ -201,6 +213,28 @@ static void note_rubs(const struct tissue_tool *from, struct proxy *proxy, int i
     proxy->is_sliding = from->is_sliding != 0;
 }
 
+/* The couple of a tool's twist, N. Returns its torque about the device's origin. */
+static vec3 note_twist(const struct tissue_solve *solve, struct dpt_world *world, struct tool *tool,
+                       const struct tissue_twist *twist)
+{
+    const struct touch *touch = &solve->touches.touch[twist->touch];
+    vec3 torque = { 0.0, 0.0, 0.0 };
+    for (uint32_t k = 0; k < 3; k++) {
+        const vec3 push = scaled(twist->push[k], twist->mean);
+        const struct tool_push noted = { .part = touch->part,
+                                         .body_id = touch->body_id,
+                                         .triangle = touch->triangle,
+                                         .at = twist->corner[k],
+                                         .normal = touch->normal,
+                                         .force = scaled(push, -1.0),
+                                         .is_narrow = 1,
+                                         .is_part = 1 };
+        torque = add(torque, cross(sub(twist->corner[k], vec3_of(tool->pose.position)), push));
+        dpti_loads_note_push(world, tool, &noted);
+    }
+    return torque;
+}
+
 /* What a tool feels: the pushes of its touches, about its device's origin. What a program's own function added stays. */
 static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world, const struct tissue_tool *from)
 {
@@ -227,6 +261,8 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         torque = add(torque, cross(sub(tissue_middle(solve, i), vec3_of(tool->pose.position)), push));
         dpti_loads_note_push(world, tool, &noted);
     }
+    if (from->twist.mean != 0.0)
+        torque = add(torque, note_twist(solve, world, tool, &from->twist));
     vec3_store(force, tool->wrench.force);
     vec3_store(torque, tool->wrench.torque);
     tool->force_reason = dot(force, force) > 0.0 ? (uint32_t)DPT_FORCE_ACTS : (uint32_t)DPT_FORCE_FREE;

@@ -8,6 +8,9 @@
 /* All tools whose proxies are within `reach`, m, of a body of the solve, and their touches. */
 void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach);
 
+/* How many substeps dt has for the bodies of the solve. */
+uint32_t dpti_tissue_substeps(const struct tissue_solve *solve, double dt);
+
 /* After the step: the tools' wrenches, loads and energies. */
 void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world);
 

@@ -112,18 +112,18 @@ static int is_solved_for(const void *user, uint32_t tool_slot)
 /* Begin the steps of all bodies. Loads of tools that are not solved for are those of the world's step. */
 static void begin_bodies(struct tissue_solve *solve, const struct dpt_world *world, double dt)
 {
-    uint32_t substeps = 1, count[TISSUE_BODIES_MAX];
+    const uint32_t substeps = dpti_tissue_substeps(solve, dt);
+    uint32_t count[TISSUE_BODIES_MAX];
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct dpt_springs *springs = solve->bodies[b].step.springs;
-        const uint32_t own = dpti_springs_substeps_of(springs, dt);
-        substeps = own > substeps ? own : substeps;
         springs->result = dpti_deform_get_loads(world, solve->bodies[b].body, is_solved_for, solve,
                                                 springs->vertices.loads, springs->def.max_loads, &count[b]);
         if (springs->result != DPT_OK)
             count[b] = 0;
     }
     for (uint32_t b = 0; b < solve->body_count; b++)
-        dpti_loaded_step_begin(&solve->bodies[b].step, solve->bodies[b].step.springs, dt, substeps, count[b]);
+        dpti_loaded_step_begin(&solve->bodies[b].step, solve->bodies[b].step.springs, dt, substeps, count[b],
+                               solve->is_touched != 0);
 }
 
 static struct body *body_of(struct dpt_world *world, const struct tissue_body *of)

@@ -130,6 +130,7 @@ static void what_sticks_does_not_creep(void)
         tremble(&tissue, home, ticks, &seed);
         const dpt_pose to = tissue_tool_last_end(&tissue, rod);
         const double drift = apart(to.position, from.position);
+        printf("    crept by %.3g m in %d ticks\n", drift, ticks);
         CHECK(rod->force.sticking == 1, "it does not stick");
         CHECK(drift < 1e-6, "it crept by %g m in %d ticks", drift, ticks);
     }
@@ -236,6 +237,140 @@ static void a_damper_is_felt_while_it_moves(void)
           "pressed, %g N and %g N", pressed[0], pressed[1]);
 }
 
+/* Nm: what the loads that are told turn the body by, about z through the tool's origin. */
+static double torque_of_loads(const struct tissue_rig *tissue)
+{
+    const struct tissue_body *body = &tissue->body[0];
+    const double *origin = tissue->tool[0].device.position;
+    dpt_load loads[TISSUE_LOADS];
+    uint32_t count = 0, vertices;
+    double sum = 0.0;
+    dpt_body_get_loads(tissue->rig.world, body->id, loads, TISSUE_LOADS, &count);
+    const float *at = tissue_vertices(tissue, body, &vertices);
+    for (uint32_t i = 0; i < count; i++) {
+        const float *v = at + 3 * loads[i].vertex;
+        sum += (v[0] + body->place[0] - origin[0]) * loads[i].force[1];
+        sum -= (v[1] + body->place[1] - origin[1]) * loads[i].force[0];
+    }
+    return sum;
+}
+
+/* rad: of a rod's end about z. */
+static double turn_of_end(const struct tissue_rig *tissue)
+{
+    const dpt_pose end = tissue_tool_last_end(tissue, &tissue->tool[0]);
+    return 2.0 * atan2(end.orientation[3], end.orientation[0]);
+}
+
+/* An upright rod is turned about the normal: the torque over 2/3 N a, a the radius of the disc on which its tip touches. */
+static double turn_upright(struct tissue_rig *tissue, double turned)
+{
+    struct tissue_tool *rod = &tissue->tool[0];
+    const double turn[4] = { cos(0.5 * turned), 0.0, 0.0, sin(0.5 * turned) }, radius = rod->segment.radius;
+    memcpy(rod->device.orientation, turn, sizeof turn);
+    tissue_rig_step_world(tissue);
+    tissue_rig_step_springs(tissue);
+    const double push = length3(rod->force.wrench.force);
+    return -rod->force.wrench.torque[2] / (2.0 / 3.0 * push * fmin(radius, sqrt(2.0 * radius * push / rod->stiffness)));
+}
+
+/* While it sticks, its spring of K r^2 is wound up and its end turns as little as the surface does. Then it slips. */
+static void a_touch_resists_a_turn_about_its_normal(void)
+{
+    enum { TURNS = 800 };
+    for (int i = 0; i < TISSUE_INTEGRATORS; i++) {
+        struct tissue_rig tissue;
+        double jump, most = 0.0, off = 0.0, share = 0.0, first = 0.0;
+        struct tissue_tool *rod = begin(&tissue, DPT_NET_VOLUME, tissue_integrators[i], 0.0, &jump);
+        for (int t = 0; rod && t < TURNS; t++) {
+            const double turned = 5e-4 * (t + 1);
+            share = turn_upright(&tissue, turned);
+            const double spring = rod->stiffness * rod->segment.radius * rod->segment.radius;
+            const double torque = rod->force.wrench.torque[2], end = turn_of_end(&tissue);
+            off = fmax(off, fabs(spring * (turned - end) + torque) / spring);
+            most = fmax(most, share);
+            first = t < TURNS / 2 ? end : first;
+            if (t % 50 == 0)
+                CHECK(fabs(torque_of_loads(&tissue) + torque) <= 1e-7, "loads give %g Nm of %g",
+                      torque_of_loads(&tissue), torque);
+        }
+        CHECK(off < 1e-3, "integrator %d: the torque is off by %g rad", i, off);
+        CHECK(first < 0.01, "integrator %d: it sticks, and turns by %g", i, first);
+        CHECK(most > 0.98 * HOLD_MU && most < 1.005 * HOLD_MU, "integrator %d: it holds up to %g", i, most);
+        CHECK(share > 0.99 * SLIDE_MU && share < 1.005 * HOLD_MU, "integrator %d: it slips with %g", i, share);
+        CHECK(i == 1 || share < 1.01 * SLIDE_MU, "integrator %d: it slips with %g", i, share);
+        tissue_rig_close(&tissue);
+    }
+}
+
+static void what_sticks_does_not_twist(void)
+{
+    struct tissue_rig tissue;
+    double jump;
+    uint64_t seed = 11;
+    if (begin(&tissue, DPT_NET_VOLUME, DPT_INTEGRATOR_SYMPLECTIC, 0.0, &jump)) {
+        double turned = 0.0;
+        while (turned < 1.0 && turn_upright(&tissue, turned) < 0.9 * HOLD_MU)
+            turned += 5e-4;
+        for (int t = 0; t < 500; t++)
+            turn_upright(&tissue, turned);
+        const double home = turn_of_end(&tissue);
+        for (uint64_t t = 0; t < part_of(100000); t++)
+            turn_upright(&tissue, turned + random_in(&seed, -2e-3, 2e-3));
+        const double share = turn_upright(&tissue, turned);
+        for (int t = 0; t < 500; t++)
+            turn_upright(&tissue, turned);
+        printf("    turned by %.3g rad of %.3g\n", turn_of_end(&tissue) - home, turned);
+        CHECK(share > 0.8 * HOLD_MU, "it slips with %g", share);
+        CHECK(fabs(turn_of_end(&tissue) - home) < 1e-4, "it creeps by %g rad", turn_of_end(&tissue) - home);
+    }
+    tissue_rig_close(&tissue);
+}
+
+enum { PRESSED = 400 };
+
+/* A rod is pressed, turned and drawn aside, on a rough ball or sheet: all that it feels. */
+static void press_on(uint32_t kernel, uint32_t kind, uint32_t integrator, dpt_wrench felt[PRESSED])
+{
+    const struct tissue_def def = tissue_asleep(kind, integrator);
+    struct tissue_rig tissue;
+    tissue_rig_open_on(&tissue, kernel);
+    struct tissue_tool *rod = tissue_rig_add_tool(&tissue, &tissue_upright, 667.0);
+    memset(felt, 0, PRESSED * sizeof *felt);
+    if (tissue_rig_add_soft(&tissue, &def)) {
+        tissue_body_roughen(&tissue, &tissue.body[0], HOLD_MU, SLIDE_MU);
+        tissue_rod_lower(&tissue, -0.001);
+        tissue_rig_place(&tissue);
+        for (int t = 0; t < PRESSED; t++) {
+            const double turn[4] = { 1.0, 1e-4, 0.0, 1e-3 };
+            rod->device.position[1] += t > PRESSED / 2 ? TICK : 0.0;
+            rod->device.position[2] -= TICK;
+            pose_turn_by(&rod->device, turn);
+            tissue_rig_tick(&tissue);
+            felt[t] = rod->force.wrench;
+        }
+    }
+    tissue_rig_close(&tissue);
+}
+
+static void all_kernels_have_the_same_bits(void)
+{
+    static dpt_wrench scalar[PRESSED], felt[PRESSED];
+    uint32_t compared = 0;
+    for (int i = 0; i < 2 + (int)part_of(4); i++) {
+        const uint32_t kind = i & 1 ? DPT_NET_SHEET : DPT_NET_VOLUME, integrator = tissue_integrators[i % 3];
+        press_on(DPT_KERNEL_SCALAR, kind, integrator, scalar);
+        CHECK(length3(scalar[PRESSED - 1].force) > 1e-3, "case %d: it is not touched", i);
+        for (uint32_t kernel = DPT_KERNEL_SCALAR + 1; kernel <= DPT_KERNEL_WASM128; kernel++)
+            if (rig_has_kernel(kernel)) {
+                press_on(kernel, kind, integrator, felt);
+                CHECK(!memcmp(felt, scalar, sizeof felt), "case %d: %s has other bits", i, dpt_kernel_name(kernel));
+                compared++;
+            }
+    }
+    printf("    %u runs compared\n", compared);
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
@@ -245,5 +380,8 @@ int main(int argc, char **argv)
     TEST(rubbing_takes_work);
     TEST(a_body_carries_what_sticks);
     TEST(a_damper_is_felt_while_it_moves);
+    TEST(a_touch_resists_a_turn_about_its_normal);
+    TEST(what_sticks_does_not_twist);
+    TEST(all_kernels_have_the_same_bits);
     return check_report();
 }

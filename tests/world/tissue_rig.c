@@ -19,12 +19,24 @@ void tissue_rig_open(struct tissue_rig *tissue)
     tissue_rig_open_within(tissue, 0);
 }
 
-void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget)
+static void open_world(struct tissue_rig *tissue, uint32_t budget, uint32_t kernel)
 {
     dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = budget;
+    def.kernel = kernel;
     memset(tissue, 0, sizeof *tissue);
+    tissue->kernel = kernel;
     rig_open(&tissue->rig, &def, NULL, NULL, 0);
+}
+
+void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget)
+{
+    open_world(tissue, budget, DPT_KERNEL_AUTO);
+}
+
+void tissue_rig_open_on(struct tissue_rig *tissue, uint32_t kernel)
+{
+    open_world(tissue, 0, kernel);
 }
 
 struct tissue_tool *tissue_rig_open_rod(struct tissue_rig *tissue, double stiffness, double lean, double radius)
@@ -134,12 +146,13 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
         deform.box_max[k] = 1.0;
     }
     springs.integrator = def->integrator;
+    springs.kernel = tissue->kernel;
     springs.sleep_speed = def->sleeps ? springs.sleep_speed : 0.0;
     springs.stiffness = def->stiffness > 0.0 ? def->stiffness : 1.0;
     if (def->step > 0.0) {
         dpt_mesh_info info = { .size = sizeof info };
         dpt_mesh_get_info(body->mesh.mesh, &info);
-        const double share = (def->integrator == DPT_INTEGRATOR_EULER ? 0.3 : 0.5) * info.stable_step / def->step;
+        const double share = (def->integrator == DPT_INTEGRATOR_EULER ? 0.3 : 0.35) * info.stable_step / def->step;
         springs.stiffness = fmin(fmax(share * share, 1e-9), 1e9);
     }
     body->id = rig_add_deformable(&tissue->rig, &deform);

@@ -76,6 +76,7 @@ struct tissue_rig {
     struct tissue_body body[TISSUE_BODIES];
     struct tissue_tool tool[TISSUE_TOOLS];
     uint32_t body_count, tool_count;
+    uint32_t kernel; /* DPT_KERNEL_... */
     int is_reversed; /* springs are handed over last body first */
     dpt_springs_info info[TISSUE_BODIES];
     dpt_result result; /* of the springs' step */
@@ -83,6 +84,7 @@ struct tissue_rig {
 
 void tissue_rig_open(struct tissue_rig *tissue);
 void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget);
+void tissue_rig_open_on(struct tissue_rig *tissue, uint32_t kernel);
 void tissue_rig_close(struct tissue_rig *tissue);
 
 /* Opened with a tool, which it returns: a rod of 60 mm that leans, 0 is upright on its tip, pi / 2 lies across. */
