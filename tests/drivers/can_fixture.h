@@ -159,6 +159,14 @@ static inline void refused(dpt_result result, dpt_result code, const char *word)
 /* Someone else on the bus, with a socket of their own. */
 static struct socketcan stranger;
 
+static inline void open_stranger(void)
+{
+    struct can_wanted wanted[DPT_JOINTS_MAX * DRIVE_WANTED];
+    const int count = can_arm_wanted(&simulated.arm, wanted);
+    CHECK(socketcan_open(&stranger, interface(), wanted, count, can_arm_is_fd(&simulated.arm), NULL) == DPT_OK,
+          "no second socket");
+}
+
 static inline void someone_says(uint8_t node, uint8_t command, float torque)
 {
     const struct odrive_message message = { .node = node, .command = command, .as.torque = torque };
