@@ -127,21 +127,25 @@ dpt_result can_setup_motors(struct can_session *session, dpt_device_error *error
     const uint64_t start = clock_now(), deadline = start + (uint64_t)(1e9 * session->settings.answer);
     for (uint32_t i = 0; i < monitor->count; i++) {
         struct can_node *node = &monitor->nodes[i];
-        node->setup_at = node->setup_tries = node->is_refused = 0;
+        if (!node->end->drive->answers)
+            continue;
+        node->setup_at = node->setup_tries = node->is_refused = node->is_duplicate = 0;
+        node->surplus = 0;
         node->known_values = 0;
         node->setup_ns = start;
     }
     for (uint64_t now = start; !can_session_is_dead(session); now = clock_now()) {
-        uint32_t waiting = monitor->count;
+        uint32_t waiting = 0;
         for (uint32_t i = 0; i < monitor->count; i++) {
             const struct can_node *node = &monitor->nodes[i];
-            const int is_done = !node->end->drive->answers || go_on(session, i, now);
-            if (node->is_refused || node->is_duplicate || (!is_done && now >= deadline) ||
+            if (!node->end->drive->answers || go_on(session, i, now))
+                continue;
+            if (node->is_refused || node->is_duplicate || now >= deadline ||
                 (node->setup_tries > TRIES_MAX && node->known_values)) {
                 session->out_count = 0;
                 return explain(session, i, error);
             }
-            waiting -= is_done != 0;
+            waiting++;
         }
         if (!waiting)
             break;
