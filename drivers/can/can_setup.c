@@ -51,7 +51,7 @@ static int accept(struct drive_node *end, const struct drive_parameter *paramete
     case DRIVE_LEARN:
         return learn(end, parameter->parameter, value);
     default:
-        return fabs(value - target) <= max_of(parameter->bytes ? parameter->unit : 0.0, 1e-6 * fabs(target));
+        return fabs(value - target) <= max_of(parameter->bytes ? 0.51 * parameter->unit : 0.0, 1e-6 * fabs(target));
     }
 }
 
