@@ -12,6 +12,7 @@
 #define AGAIN      (20u * MS) /* until a parameter is asked for again */
 #define TRIES_MAX  20         /* of a parameter, once the motor has answered another */
 #define RANGE_MAX  1e5
+#define ASKS       15 /* for a status, of each motor that is set up: two of one number answer twice */
 
 /* The value that a parameter is set to. */
 static double target_of(const struct drive_node *end, const struct drive_parameter *parameter)
@@ -134,11 +135,15 @@ dpt_result can_setup_motors(struct can_session *session, dpt_device_error *error
         node->known_values = 0;
         node->setup_ns = start;
     }
+    int asks = 0;
     for (uint64_t now = start; !can_session_is_dead(session); now = clock_now()) {
-        uint32_t waiting = 0;
+        uint32_t waiting = 0, answering = 0;
         for (uint32_t i = 0; i < monitor->count; i++) {
             const struct can_node *node = &monitor->nodes[i];
-            if (!node->end->drive->answers || go_on(session, i, now))
+            if (!node->end->drive->answers)
+                continue;
+            answering++;
+            if (go_on(session, i, now) && !node->is_duplicate)
                 continue;
             if (node->is_refused || node->is_duplicate || now >= deadline ||
                 (node->setup_tries > TRIES_MAX && node->known_values)) {
@@ -147,8 +152,12 @@ dpt_result can_setup_motors(struct can_session *session, dpt_device_error *error
             }
             waiting++;
         }
-        if (!waiting)
+        if (!answering || (!waiting && asks == ASKS))
             break;
+        for (uint32_t i = 0; i < monitor->count && !waiting; i++)
+            if (monitor->nodes[i].end->drive->answers)
+                can_session_put(session, i, can_ask);
+        asks += !waiting;
         can_session_send(session);
         can_session_wait(session, now + MS);
     }
