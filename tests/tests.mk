@@ -104,6 +104,7 @@ TOOLS_TESTS := $(call tests_of,tests/host) $(call tests_of,tests/tools) $(call t
 $(TOOLS_TESTS): $(TOOLS_LIB)
 TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) $(CONVEX_LIBS)
 $(TOOLS_TESTS): private LDLIBS = $(TOOLS_TEST_LIBS)
+$(B)/tests/test_run_motors: private LDLIBS = $(TOOLS_TEST_LIBS) $(CAN_WRAPPED:%=-Wl,--wrap=%) -Wl,--wrap=clock_nanosleep,--wrap=nanosleep
 $(B)/tests/test_view_loop: private LDLIBS = $(TOOLS_TEST_LIBS) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # Scene files: where the program reads them.

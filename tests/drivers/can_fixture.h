@@ -18,7 +18,7 @@ static dpt_device *device;
 static dpt_device_error error;
 static dpt_device_state state;
 static dpt_device_counts counts;
-static char elbow_path[64];
+static char elbow_path[64] __attribute__((unused));
 
 static inline const char *interface(void)
 {

@@ -121,7 +121,7 @@ static void tells_what_it_is(void)
         const struct drive_node *of = simulated.node[i].end;
         reach = fmax(reach, 6.283185307179586 * drive_position_step(of) * (i == 0 ? 0.4 : i == 1 ? 0.4 : 0.2));
         if (of->drive->answers)
-            CHECK(fabs(simulated.node[i].watchdog - 0.02) < 1e-9 && simulated.node[i].value[DRIVE_CONTROL] != 2.0 + (of->drive == &moteus_drive ? 1.0 : 0.0),
+            CHECK(fabs(simulated.node[i].watchdog - 0.02) < 1e-9 && simulated.node[i].is_torque_mode,
                   "%s: motor %u has a watchdog of %g s", kind->name, i, simulated.node[i].watchdog);
     }
     const int is_known = !can_arm_has_reporters(&simulated.arm);

@@ -30,10 +30,18 @@ void simulate_can_drive_start(struct simulate_can_node *node, struct drive_node 
     fill_values(end, node->value);
 }
 
+/* Whether it obeys torques. */
+static void note_control(struct simulate_can_node *node)
+{
+    const struct drive_parameter *control = drive_parameter_of(node->end->drive, DRIVE_CONTROL);
+    node->is_torque_mode = !control || fabs(node->value[DRIVE_CONTROL] - control->min) < 0.5;
+}
+
 void simulate_can_drive_reboot(struct simulate_can_node *node)
 {
     node->watchdog = 0.0;
     node->value[DRIVE_WATCHDOG] = 0.0;
+    note_control(node);
 }
 
 static void answer(struct simulate_can *simulated, uint32_t index, const struct drive_message *message)
@@ -98,6 +106,7 @@ static void set_value(struct simulate_can_node *node, unsigned parameter, double
     const int is_kept = (int)(node->refuses >> parameter & 1);
     node->value[parameter] = is_kept ? node->value[parameter] : value;
     node->watchdog = node->value[DRIVE_WATCHDOG];
+    note_control(node);
 }
 
 static void take_torque(struct simulate_can_node *node, const struct drive_message *message)
