@@ -121,7 +121,7 @@ $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=r
 TESTS += $(B)/tests/test_calls
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire record snapshot request
+FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire motor record snapshot request
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS))
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED) $(TOOLS_LIB) $(PARTS_LIB) $(TEST_LIB)
 	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(TOOLS_TEST_LIBS) -o $@
