@@ -125,6 +125,7 @@ static dpt_result explain(const struct can_session *session, uint32_t index, dpt
 dpt_result can_setup_motors(struct can_session *session, dpt_device_error *error)
 {
     struct can_monitor *monitor = &session->monitor;
+    const struct drive_message clear = { .kind = DRIVE_CLEAR };
     const uint64_t start = clock_now(), deadline = start + (uint64_t)(1e9 * session->settings.answer);
     for (uint32_t i = 0; i < monitor->count; i++) {
         struct can_node *node = &monitor->nodes[i];
@@ -134,6 +135,7 @@ dpt_result can_setup_motors(struct can_session *session, dpt_device_error *error
         node->surplus = 0;
         node->known_values = 0;
         node->setup_ns = start;
+        can_session_put(session, i, clear); /* in a fault a motor may not take what is set */
     }
     int asks = 0;
     for (uint64_t now = start; !can_session_is_dead(session); now = clock_now()) {

@@ -3,7 +3,7 @@
  * Arms of Damiao, RobStride, CyberGear and moteus motors, and of motors of several makers (drivers/can/drive.h), against simulated
  * ones on a bus that stands in for the kernel's, or on the interface that $DPT_CAN names (can_kernel.h). Time is simulated. Each
  * fault is provoked: within five milliseconds no motor gives a torque, or its own watchdog ends it. What goes on the wire is
- * tested in test_drive.c, and by peers in tests/vm/test_motor_peers.c.
+ * tested in test_drive.c, and by peers in drive_peers.py.
  */
 #include "drivers/can_fixture.h"
 
