@@ -13,11 +13,11 @@
 #include "settings.h"
 #include "text/parse_number.h"
 
-#define TURN           6.283185307179586476925
-#define GRAVITY        9.80665
-#define FILE_BYTES_MAX (64l << 20)
+#define TURN            6.283185307179586476925
+#define GRAVITY         9.80665
+#define FILE_BYTES_MAX  (64l << 20)
 #define WATCHDOG_UNSAID 0.05 /* s; for motors whose watchdog the driver sets */
-#define FORCE_MAX      1e6 /* N, Nm; above it efforts might not be finite */
+#define FORCE_MAX       1e6  /* N, Nm; above it efforts might not be finite */
 
 /* Read the watchdog: a number of seconds, "none", or "" if it was not given. */
 static dpt_result read_watchdog(struct can_settings *settings, const char *text, dpt_device_error *error)
@@ -131,17 +131,18 @@ static dpt_result read_drives(struct can_arm *arm, struct can_settings *settings
         node->drive = drive_find(drive, drive_length);
         if (!node->drive)
             return device_error(error, DPT_E_SETTING,
-                                "drive: '%.*s' is none of odrive, damiao, robstride, cybergear, moteus", (int)drive_length,
-                                drive);
+                                "drive: '%.*s' is none of odrive, damiao, robstride, cybergear, moteus",
+                                (int)drive_length, drive);
         node->position_range = node->drive->position_range;
         node->velocity_range = node->drive->velocity_range;
         node->torque_range = node->drive->torque_range;
         node->heat_limit = node->drive->heat_limit;
         if (node->drive->has_models && !drive_set_model(node, model, model_length))
-            return device_error(error, DPT_E_SETTING,
-                                "model: '%.*s' of joint %u is none of rs-01, rs-02, rs-03, rs-04, nor the manual's ranges "
-                                "of velocity and torque, as 44:17",
-                                (int)model_length, model, (unsigned)i);
+            return device_error(
+                error, DPT_E_SETTING,
+                "model: '%.*s' of joint %u is none of rs-01, rs-02, rs-03, rs-04, nor the manual's ranges "
+                "of velocity and torque, as 44:17",
+                (int)model_length, model, (unsigned)i);
     }
     choose_watchdog(arm, settings);
     for (uint32_t i = 0; i < arm->joints; i++)
@@ -170,10 +171,11 @@ static dpt_result read_nodes(struct can_arm *arm, const struct can_settings *set
         arm->ends[i].answer = (uint16_t)answers[i];
         for (uint32_t k = 0; k < i; k++)
             if (drive_nodes_collide(&arm->ends[k], &arm->ends[i]))
-                return device_error(error, DPT_E_SETTING,
-                                    "the motors of joints %u and %u would use the same ids on the bus: set others at one "
-                                    "of them, and by ?nodes= (Damiao: and ?answers=)",
-                                    (unsigned)k, (unsigned)i);
+                return device_error(
+                    error, DPT_E_SETTING,
+                    "the motors of joints %u and %u would use the same ids on the bus: set others at one "
+                    "of them, and by ?nodes= (Damiao: and ?answers=)",
+                    (unsigned)k, (unsigned)i);
     }
     return DPT_OK;
 }

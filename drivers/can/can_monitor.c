@@ -318,8 +318,7 @@ static void count_answer(struct can_monitor *monitor, struct can_node *node)
         return;
     node->surplus = 0;
     node->is_duplicate = 1;
-    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK,
-                           CAN_CODE(CAN_CODE_DUPLICATE, node->node));
+    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, node->node));
 }
 
 static void take_fault(struct can_monitor *monitor, struct can_node *node, uint32_t fault)

@@ -51,7 +51,7 @@ struct can_sent {
 struct can_node {
     const struct drive_node *end; /* how it is reached; of the arm */
     uint8_t node, generation;     /* its number; of an ODrive ODRIVE_0_5 or ODRIVE_0_6, ODRIVE_ANY: not known yet */
-    uint8_t proven_generation; /* what a heartbeat or an answer proved; ODRIVE_ANY: nothing */
+    uint8_t proven_generation;    /* what a heartbeat or an answer proved; ODRIVE_ANY: nothing */
     uint8_t has_heartbeat, has_estimate, is_fresh, is_duplicate;
     struct odrive_heartbeat heartbeat;
     uint64_t errors[ODRIVE_ERROR_WORDS];
@@ -69,12 +69,12 @@ struct can_node {
     /* Of a drive that answers each command, as its last status said; has_heartbeat: there was one. */
     uint8_t is_on;
     uint32_t fault;
-    float temperature;               /* degrees Celsius */
-    int32_t surplus;                 /* answers beyond commands; two motors of one number answer twice */
-    uint8_t setup_at, setup_tries;   /* which parameter is next, and how often it was asked for */
-    uint8_t is_refused;              /* 1: that parameter has a value that it must not have */
-    uint64_t setup_ns;               /* when it is to be asked for again */
-    uint32_t known_values;           /* bit k: the parameter k has come */
+    float temperature;             /* degrees Celsius */
+    int32_t surplus;               /* answers beyond commands; two motors of one number answer twice */
+    uint8_t setup_at, setup_tries; /* which parameter is next, and how often it was asked for */
+    uint8_t is_refused;            /* 1: that parameter has a value that it must not have */
+    uint64_t setup_ns;             /* when it is to be asked for again */
+    uint32_t known_values;         /* bit k: the parameter k has come */
     double value[DRIVE_PARAMETERS];
     uint32_t sent_count;
     struct can_sent sent[CAN_SENT_MAX]; /* the oldest first */

@@ -20,8 +20,7 @@ void can_session_put(struct can_session *session, uint32_t index, struct drive_m
 {
     struct drive_node end = session->arm.ends[index];
     end.generation = session->monitor.nodes[index].generation;
-    if (session->out_count < SOCKETCAN_BATCH &&
-        end.drive->encode(&end, &message, &session->out[session->out_count]))
+    if (session->out_count < SOCKETCAN_BATCH && end.drive->encode(&end, &message, &session->out[session->out_count]))
         session->out_count++;
 }
 
@@ -127,10 +126,10 @@ static const char *line_trouble(const struct can_session *session)
 static dpt_result check_load(const struct can_session *session, dpt_device_error *error)
 {
     const struct socketcan *line = &session->socketcan;
-    const double load =
-        line->bitrate ? drive_bus_load(session->arm.ends, session->arm.joints, session->settings.rate,
-                                       session->settings.request != 0.0, line->bitrate, line->data_bitrate)
-                      : 0.0;
+    const double load = line->bitrate
+                            ? drive_bus_load(session->arm.ends, session->arm.joints, session->settings.rate,
+                                             session->settings.request != 0.0, line->bitrate, line->data_bitrate)
+                            : 0.0;
     if (load <= 1.0)
         return DPT_OK;
     return device_error(error, DPT_E_SETTING,
@@ -153,8 +152,8 @@ static dpt_result explain_silence(const struct can_session *session, dpt_device_
     for (uint32_t i = 0; i < session->monitor.count; i++) {
         const struct can_node *node = &session->monitor.nodes[i];
         if (node->end->drive->answers && !node->has_estimate)
-            return device_error(error, DPT_E_DEVICE, "%s %u on %.20s sends no status", node->end->drive->title, node->node,
-                                name);
+            return device_error(error, DPT_E_DEVICE, "%s %u on %.20s sends no status", node->end->drive->title,
+                                node->node, name);
         if (node->has_estimate && !node->has_heartbeat)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u answers but has no heartbeat: set axis.config.can."
@@ -319,7 +318,8 @@ static dpt_result explain_not_active(const struct can_session *session, dpt_devi
 
 dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *error)
 {
-    const struct drive_message clear = { .kind = DRIVE_CLEAR }, mode = { .kind = DRIVE_MODE }, loop = { .kind = DRIVE_ON };
+    const struct drive_message clear = { .kind = DRIVE_CLEAR }, mode = { .kind = DRIVE_MODE },
+                               loop = { .kind = DRIVE_ON };
     struct can_monitor *monitor = &session->monitor;
     monitor->failed_nodes = 0;
     DPT_TRY(can_setup_motors(session, error));
@@ -398,8 +398,8 @@ dpt_result can_session_connect(struct can_session *session, dpt_device_error *er
 {
     struct can_wanted wanted[DPT_JOINTS_MAX * DRIVE_WANTED];
     const int count = can_arm_wanted(&session->arm, wanted);
-    DPT_TRY(socketcan_open(&session->socketcan, session->settings.interface, wanted, count, can_arm_is_fd(&session->arm),
-                           error));
+    DPT_TRY(socketcan_open(&session->socketcan, session->settings.interface, wanted, count,
+                           can_arm_is_fd(&session->arm), error));
     const dpt_device_counts counts = session->monitor.counts;
     can_monitor_forget(&session->monitor);
     session->dropped = 0;

@@ -8,11 +8,11 @@
 #include "clock.h"
 #include "settings.h"
 
-#define MS         1000000u
-#define AGAIN      (20u * MS) /* until a parameter is asked for again */
-#define TRIES_MAX  20         /* of a parameter, once the motor has answered another */
-#define RANGE_MAX  1e5
-#define ASKS       15 /* for a status, of each motor that is set up: two of one number answer twice */
+#define MS        1000000u
+#define AGAIN     (20u * MS) /* until a parameter is asked for again */
+#define TRIES_MAX 20         /* of a parameter, once the motor has answered another */
+#define RANGE_MAX 1e5
+#define ASKS      15 /* for a status, of each motor that is set up: two of one number answer twice */
 
 /* The value that a parameter is set to. */
 static double target_of(const struct drive_node *end, const struct drive_parameter *parameter)
@@ -90,12 +90,14 @@ static int go_on(struct can_session *session, uint32_t index, uint64_t now)
 
 static const char *name_of(unsigned parameter)
 {
-    static const char *const names[DRIVE_PARAMETERS] = {
-        [DRIVE_VERSION] = "version of its registers",  [DRIVE_CONTROL] = "control mode",
-        [DRIVE_WATCHDOG] = "watchdog",                 [DRIVE_POSITION_RANGE] = "range of positions",
-        [DRIVE_VELOCITY_RANGE] = "range of velocities", [DRIVE_TORQUE_RANGE] = "range of torques",
-        [DRIVE_TORQUE_LIMIT] = "torque limit",         [DRIVE_HEAT_LIMIT] = "temperature limit"
-    };
+    static const char *const names[DRIVE_PARAMETERS] = { [DRIVE_VERSION] = "version of its registers",
+                                                         [DRIVE_CONTROL] = "control mode",
+                                                         [DRIVE_WATCHDOG] = "watchdog",
+                                                         [DRIVE_POSITION_RANGE] = "range of positions",
+                                                         [DRIVE_VELOCITY_RANGE] = "range of velocities",
+                                                         [DRIVE_TORQUE_RANGE] = "range of torques",
+                                                         [DRIVE_TORQUE_LIMIT] = "torque limit",
+                                                         [DRIVE_HEAT_LIMIT] = "temperature limit" };
     return names[parameter];
 }
 
@@ -106,7 +108,8 @@ static dpt_result explain(const struct can_session *session, uint32_t index, dpt
     const struct drive_parameter *parameter = &drive->parameters[node->setup_at];
     const char *name = name_of(parameter->parameter);
     if (node->is_duplicate)
-        return device_error(error, DPT_E_DEVICE, "there are two motors with the number %u: give each its own", node->node);
+        return device_error(error, DPT_E_DEVICE, "there are two motors with the number %u: give each its own",
+                            node->node);
     if (node->is_refused && parameter->action == DRIVE_SET)
         return device_error(error, DPT_E_PROTOCOL, "%s %u: its %s was set to %g, and reads back as %g", drive->title,
                             node->node, name, target_of(node->end, parameter), node->value[parameter->parameter]);
@@ -114,12 +117,14 @@ static dpt_result explain(const struct can_session *session, uint32_t index, dpt
         return device_error(error, DPT_E_PROTOCOL, "%s %u: its %s is %g, which this driver does not know", drive->title,
                             node->node, name, node->value[parameter->parameter]);
     if (node->known_values || node->has_heartbeat)
-        return device_error(error, DPT_E_PROTOCOL, "%s %u does not tell its %s: its firmware is too old, or of another kind",
-                            drive->title, node->node, name);
-    return device_error(error, DPT_E_DEVICE,
-                        "no %s %u on %.20s within %g s: is it powered, and has it that number? Joints' motors are set by "
-                        "?drive= and ?nodes=",
-                        drive->title, node->node, session->settings.interface, session->settings.answer);
+        return device_error(error, DPT_E_PROTOCOL,
+                            "%s %u does not tell its %s: its firmware is too old, or of another kind", drive->title,
+                            node->node, name);
+    return device_error(
+        error, DPT_E_DEVICE,
+        "no %s %u on %.20s within %g s: is it powered, and has it that number? Joints' motors are set by "
+        "?drive= and ?nodes=",
+        drive->title, node->node, session->settings.interface, session->settings.answer);
 }
 
 dpt_result can_setup_motors(struct can_session *session, dpt_device_error *error)

@@ -140,7 +140,7 @@ static int decode_register(const struct drive_node *node, const uint8_t *data, s
             continue;
         message->parameter = parameter->parameter;
         return message->kind == DRIVE_READ || drive_get_value(parameter, data + 4, &message->as.value) ? message->kind
-                                                                                                      : DRIVE_DAMAGED;
+                                                                                                       : DRIVE_DAMAGED;
     }
     return DRIVE_OTHER;
 }

@@ -25,7 +25,7 @@ enum {
     DRIVE_MODE,   /* obey torques; for drives that have no such parameter below */
     DRIVE_ON,
     DRIVE_OFF,
-    DRIVE_STOP, /* emergency stop; DRIVE_OFF where a drive has none */
+    DRIVE_STOP,  /* emergency stop; DRIVE_OFF where a drive has none */
     DRIVE_CLEAR, /* forget faults */
     DRIVE_ASK,   /* send a status, or an estimate. A motor that is off stays so; one that is on may go off */
     DRIVE_READ,  /* send a parameter */
@@ -33,8 +33,8 @@ enum {
     DRIVE_ORDER, /* any other order: a position, a speed, a new zero, a new number */
     /* From a motor. */
     DRIVE_STATUS,
-    DRIVE_FAULT, /* a fault alone, without a status */
-    DRIVE_VALUE, /* of a parameter */
+    DRIVE_FAULT,  /* a fault alone, without a status */
+    DRIVE_VALUE,  /* of a parameter */
     DRIVE_DAMAGED /* too short, or a number is not finite */
 };
 
@@ -78,13 +78,13 @@ struct can_drive;
 /* A motor on the bus. */
 struct drive_node {
     const struct can_drive *drive;
-    uint16_t number;     /* its id */
-    uint16_t answer;     /* Damiao: the id that its answers have; RobStride, moteus: the host's id */
-    uint8_t generation;  /* ODrive: ODRIVE_0_5 or ODRIVE_0_6 */
+    uint16_t number;    /* its id */
+    uint16_t answer;    /* Damiao: the id that its answers have; RobStride, moteus: the host's id */
+    uint8_t generation; /* ODrive: ODRIVE_0_5 or ODRIVE_0_6 */
     double position_range, velocity_range, torque_range; /* rad, rad/s, Nm; 0: not known, or numbers are floats */
-    double heat_limit;   /* degrees Celsius; 0: not known */
-    double watchdog;     /* s; 0: none. moteus: sent in each command */
-    double torque_limit; /* Nm. moteus: sent in each command */
+    double heat_limit;                                   /* degrees Celsius; 0: not known */
+    double watchdog;                                     /* s; 0: none. moteus: sent in each command */
+    double torque_limit;                                 /* Nm. moteus: sent in each command */
 };
 
 /* What is done with a parameter before a motor is switched on. */
@@ -111,18 +111,18 @@ struct drive_fault {
 };
 
 struct can_drive {
-    const char *name;  /* as in the setting `drive` */
-    const char *title; /* for people */
+    const char *name;   /* as in the setting `drive` */
+    const char *title;  /* for people */
     uint8_t is_fd;      /* it needs CAN-FD */
     uint8_t answers;    /* 1: each command is answered by a status; 0: it reports by itself */
     uint8_t has_models; /* 1: its ranges are a model's, by the setting `model` */
     uint16_t number_min, number_max;
-    uint16_t answer;           /* the default of drive_node.answer */
-    uint8_t answer_has_number; /* 1: the motor's number is added to it */
-    uint16_t command_bits, answer_bits;           /* a torque and its answer on the bus with most stuffing: at the bus's rate */
-    uint16_t command_data_bits, answer_data_bits; /* and at CAN-FD's data rate */
+    uint16_t answer;                    /* the default of drive_node.answer */
+    uint8_t answer_has_number;          /* 1: the motor's number is added to it */
+    uint16_t command_bits, answer_bits; /* a torque and its answer on the bus with most stuffing: at the bus's rate */
+    uint16_t command_data_bits, answer_data_bits;                    /* and at CAN-FD's data rate */
     double position_range, velocity_range, torque_range, heat_limit; /* those of drive_node; 0: learnt, or a model's */
-    double position_step, torque_step; /* the smallest change on the wire: turns, Nm; 0: that of the ranges below */
+    double position_step, torque_step;     /* the smallest change on the wire: turns, Nm; 0: that of the ranges below */
     uint32_t position_steps, torque_steps; /* number of steps in the whole range; 0: floats */
     const struct drive_parameter *parameters;
     uint32_t parameter_count;

@@ -12,7 +12,12 @@
 #include "dynpoint/device.h"
 
 enum { WRITE = 0x00, READ = 0x10, REPLY = 0x20, REPLIES = 0x8000, PADDING = 0x50 };
-enum { INT8 = 0, INT16 = 1, INT32 = 2, FLOAT = 3 }; /* type << 2 of a subframe; its lowest bits are the count, if 1 to 3 */
+enum {
+    INT8 = 0,
+    INT16 = 1,
+    INT32 = 2,
+    FLOAT = 3
+}; /* type << 2 of a subframe; its lowest bits are the count, if 1 to 3 */
 enum {
     R_MODE = 0x00,
     R_POSITION = 0x01,
@@ -28,7 +33,13 @@ enum {
 enum { MODE_STOPPED = 0, MODE_FAULT = 1, MODE_POSITION = 10, MODE_TIMEOUT = 11 };
 
 static const struct drive_parameter parameters[] = {
-    { .parameter = DRIVE_VERSION, .action = DRIVE_CHECK, .index = R_VERSION, .bytes = 4, .unit = 1.0, .min = 4.0, .max = 5.0 },
+    { .parameter = DRIVE_VERSION,
+      .action = DRIVE_CHECK,
+      .index = R_VERSION,
+      .bytes = 4,
+      .unit = 1.0,
+      .min = 4.0,
+      .max = 5.0 },
     { .parameter = DRIVE_TORQUE_LIMIT, .action = DRIVE_SET, .index = R_LIMIT },
     { .parameter = DRIVE_WATCHDOG, .action = DRIVE_SET, .index = R_WATCHDOG },
 };
@@ -404,8 +415,8 @@ static int decode(const struct drive_node *node, const struct can_message *frame
         return DRIVE_OTHER;
     if (!read_registers(frame, &registers))
         return message->kind = is_command ? DRIVE_ORDER : DRIVE_DAMAGED;
-    return message->kind = (uint8_t)(is_command ? decode_command(&registers, message)
-                                                : decode_answer(&registers, message));
+    return message->kind =
+               (uint8_t)(is_command ? decode_command(&registers, message) : decode_answer(&registers, message));
 }
 
 /* Extended ids only where a short one has no room. */

@@ -73,8 +73,8 @@ static int set_options(int fd, const struct can_wanted *wanted, int count, int i
            setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
 }
 
-static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, const struct can_wanted *wanted, int count,
-                         int is_fd, dpt_device_error *error)
+static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, const struct can_wanted *wanted,
+                         int count, int is_fd, dpt_device_error *error)
 {
     struct ifreq request;
     struct sockaddr_can address;
@@ -94,10 +94,11 @@ static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, 
     if (!(request.ifr_flags & IFF_UP))
         return explain_error(name, ENETDOWN, error);
     if (is_fd && (ioctl(fd, SIOCGIFMTU, &request) || request.ifr_mtu < (int)CANFD_MTU))
-        return device_error(error, DPT_E_DEVICE,
-                            "%.20s has no CAN-FD, which moteus needs: sudo ip link set %.20s up type can bitrate 1000000 "
-                            "dbitrate 5000000 fd on (vcan: mtu 72)",
-                            name, name);
+        return device_error(
+            error, DPT_E_DEVICE,
+            "%.20s has no CAN-FD, which moteus needs: sudo ip link set %.20s up type can bitrate 1000000 "
+            "dbitrate 5000000 fd on (vcan: mtu 72)",
+            name, name);
     if (set_options(fd, wanted, count, is_fd) || bind(fd, (const struct sockaddr *)&address, sizeof address))
         return explain_error(name, errno, error);
     return DPT_OK;

@@ -43,8 +43,7 @@ static int gives_torque(void)
 {
     for (uint32_t i = 0; i < simulated.arm.joints; i++) {
         const struct simulate_can_node *node = &simulated.node[i];
-        if (node->state == ODRIVE_STATE_CLOSED_LOOP &&
-            fabs((double)node->torque) > 0.51 * drive_torque_step(node->end))
+        if (node->state == ODRIVE_STATE_CLOSED_LOOP && fabs((double)node->torque) > 0.51 * drive_torque_step(node->end))
             return 1;
     }
     return 0;
@@ -357,8 +356,8 @@ static void provoke(const struct fault *fault)
         }
         /* While two answer, or none, the host cannot know at once; the guard or the fault ends the force. */
         const int known_later = fault->cause == double_node;
-        CHECK(quiet_ticks <= (known_later ? fault->settles : limit), "%s, %s: a torque for %d ms", kind->name, fault->name,
-              quiet_ticks);
+        CHECK(quiet_ticks <= (known_later ? fault->settles : limit), "%s, %s: a torque for %d ms", kind->name,
+              fault->name, quiet_ticks);
         CHECK(state.status == fault->status && state.reasons & fault->reason, "%s, %s: status %u, reasons %x, code %x",
               kind->name, fault->name, state.status, state.reasons, state.code);
         fault->cure();
@@ -484,18 +483,19 @@ static void loads_are_computed(void)
         uint32_t joints, bitrate, data_bitrate;
         double rate, load;
     } cases[] = {
-        { &odrive_drive, 4, 1000000, 0, 1000.0, 0.92 },       { &damiao_drive, 3, 1000000, 0, 1000.0, 0.81 },
-        { &damiao_drive, 4, 1000000, 0, 1000.0, 1.08 },       { &robstride_drive, 3, 1000000, 0, 1000.0, 0.96 },
-        { &cybergear_drive, 6, 1000000, 0, 500.0, 0.96 },     { &moteus_drive, 3, 1000000, 5000000, 1000.0, 0.8196 },
+        { &odrive_drive, 4, 1000000, 0, 1000.0, 0.92 },         { &damiao_drive, 3, 1000000, 0, 1000.0, 0.81 },
+        { &damiao_drive, 4, 1000000, 0, 1000.0, 1.08 },         { &robstride_drive, 3, 1000000, 0, 1000.0, 0.96 },
+        { &cybergear_drive, 6, 1000000, 0, 500.0, 0.96 },       { &moteus_drive, 3, 1000000, 5000000, 1000.0, 0.8196 },
         { &moteus_drive, 4, 1000000, 5000000, 1000.0, 1.0928 }, { &moteus_drive, 1, 1000000, 0, 1000.0, 0.91 },
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         struct drive_node nodes[DPT_JOINTS_MAX];
         for (uint32_t i = 0; i < cases[k].joints; i++)
             nodes[i].drive = cases[k].drive;
-        const double load = drive_bus_load(nodes, cases[k].joints, cases[k].rate, 0, cases[k].bitrate, cases[k].data_bitrate);
-        CHECK(fabs(load - cases[k].load) < 1e-9, "%s, %u joints: %g, not %g", cases[k].drive->name, cases[k].joints, load,
-              cases[k].load);
+        const double load =
+            drive_bus_load(nodes, cases[k].joints, cases[k].rate, 0, cases[k].bitrate, cases[k].data_bitrate);
+        CHECK(fabs(load - cases[k].load) < 1e-9, "%s, %u joints: %g, not %g", cases[k].drive->name, cases[k].joints,
+              load, cases[k].load);
     }
 }
 

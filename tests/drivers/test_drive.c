@@ -17,7 +17,9 @@
 /* A motor of each drive; Damiao's ranges are those of a DM-J4310. */
 static struct drive_node node_of(const struct can_drive *drive)
 {
-    struct drive_node node = { .drive = drive, .number = 3, .answer = drive->answer, .watchdog = 0.05, .torque_limit = 5.0 };
+    struct drive_node node = {
+        .drive = drive, .number = 3, .answer = drive->answer, .watchdog = 0.05, .torque_limit = 5.0
+    };
     node.answer = (uint16_t)(node.answer + (drive->answer_has_number ? node.number : 0));
     node.position_range = drive->position_range > 0.0 ? drive->position_range : 12.5;
     node.velocity_range = drive->velocity_range > 0.0 ? drive->velocity_range : drive->has_models ? 44.0 : 30.0;
@@ -36,8 +38,8 @@ static void is_frame(const struct can_drive *drive, const struct drive_message *
     CHECK(drive->encode(&node, message, &frame), "%s: kind %u", drive->name, message->kind);
     for (int i = 0; i < frame.size; i++)
         snprintf(text + 2 * i, 3, "%02x", frame.data[i]);
-    CHECK(frame.id == id && !strcmp(text, bytes), "%s, kind %u: %x %s, not %x %s", drive->name, message->kind, frame.id, text,
-          id, bytes);
+    CHECK(frame.id == id && !strcmp(text, bytes), "%s, kind %u: %x %s, not %x %s", drive->name, message->kind, frame.id,
+          text, id, bytes);
 }
 
 static void bytes_are_as_documented(void)
@@ -66,14 +68,17 @@ static void bytes_are_as_documented(void)
     message.parameter = DRIVE_VERSION;
     is_frame(&moteus_drive, &message, 0x8003, "1982025050505050");
     message = (struct drive_message){ .kind = DRIVE_TORQUE, .as.command.torque = 10.0f };
-    is_frame(&damiao_drive, &message, 3, "80008000" "00000fff");
+    is_frame(&damiao_drive, &message, 3,
+             "80008000"
+             "00000fff");
     message.as.command.torque = -17.0f;
     is_frame(&robstride_drive, &message, 0x01000003, "8000800000000000");
     message.as.command.torque = 12.0f;
     is_frame(&cybergear_drive, &message, 0x01ffff03, "8000800000000000");
     message.as.command.torque = 0.5f;
     is_frame(&moteus_drive, &message, 0x8003,
-             "01000a0f200000c07f000000000000003f022300000d250000a0400d27cdcc4c3d012b0011001f01120e" "505050505050");
+             "01000a0f200000c07f000000000000003f022300000d250000a0400d27cdcc4c3d012b0011001f01120e"
+             "505050505050");
     message = (struct drive_message){ .kind = DRIVE_STATUS };
     message.as.status.is_on = 1;
     message.as.status.temperature = 41.0f;
@@ -83,7 +88,9 @@ static void bytes_are_as_documented(void)
     message.as.status.is_on = 0;
     is_frame(&cybergear_drive, &message, 0x020403fd, "800080008000019a");
     message.as.status.fault = 38;
-    is_frame(&moteus_drive, &message, 0x0300, "2100012f010000000000000000000000" "00220e2926505050");
+    is_frame(&moteus_drive, &message, 0x0300,
+             "2100012f010000000000000000000000"
+             "00220e2926505050");
 }
 
 static struct drive_message random_message(uint64_t *random, const struct drive_node *node, int kind)
@@ -103,7 +110,8 @@ static struct drive_message random_message(uint64_t *random, const struct drive_
 }
 
 /* The largest error, in steps: of torque, position, and velocity, which has the steps of Damiao's 12 bits at most. */
-static double error_of(const struct drive_node *node, const struct drive_message *said, const struct drive_message *heard)
+static double error_of(const struct drive_node *node, const struct drive_message *said,
+                       const struct drive_message *heard)
 {
     const double torque_step = drive_torque_step(node), position_step = drive_position_step(node);
     const double velocity_step = node->drive->is_fd ? position_step : 2.0 * node->velocity_range / (TURN * 4095.0);
@@ -139,10 +147,13 @@ static void parameters_round_trip(void)
         for (uint32_t i = 0; i < node.drive->parameter_count; i++) {
             const struct drive_parameter *parameter = &node.drive->parameters[i];
             const double value = parameter->bytes ? 7.0 * parameter->unit : 0.125;
-            const struct drive_message said = { .kind = DRIVE_VALUE, .parameter = parameter->parameter, .as.value = value };
+            const struct drive_message said = { .kind = DRIVE_VALUE,
+                                                .parameter = parameter->parameter,
+                                                .as.value = value };
             struct drive_message heard;
             struct can_message frame;
-            CHECK(node.drive->encode(&node, &said, &frame) && node.drive->decode(&node, &frame, &heard) == DRIVE_VALUE &&
+            CHECK(node.drive->encode(&node, &said, &frame) &&
+                      node.drive->decode(&node, &frame, &heard) == DRIVE_VALUE &&
                       heard.parameter == parameter->parameter && fabs(heard.as.value - value) < 1e-9,
                   "%s: parameter %u is %g", node.drive->name, parameter->parameter, heard.as.value);
         }
@@ -173,13 +184,16 @@ static void nonsense_is_refused(void)
     const struct can_message not_finite = { .id = 0x300,
                                             .size = 16,
                                             .flags = CAN_MESSAGE_FD,
-                                            .data = { 0x21, 0, 10, 0x2e, 1, 0, 0, 0xc0, 0x7f, 0, 0, 0, 0, 0x50, 0x50, 0x50 } };
-    CHECK(moteus_drive.decode(&moteus, &not_finite, &heard) == DRIVE_DAMAGED, "a position that is none: %u", heard.kind);
+                                            .data = { 0x21, 0, 10, 0x2e, 1, 0, 0, 0xc0, 0x7f, 0, 0, 0, 0, 0x50, 0x50,
+                                                      0x50 } };
+    CHECK(moteus_drive.decode(&moteus, &not_finite, &heard) == DRIVE_DAMAGED, "a position that is none: %u",
+          heard.kind);
 }
 
 static void faults_have_names(void)
 {
-    CHECK(!strcmp(drive_fault_name(&damiao_drive, 0xc), "COIL_OVER_TEMPERATURE") && drive_reasons(&damiao_drive, 0xc) == 8,
+    CHECK(!strcmp(drive_fault_name(&damiao_drive, 0xc), "COIL_OVER_TEMPERATURE") &&
+              drive_reasons(&damiao_drive, 0xc) == 8,
           "Damiao's");
     CHECK(!strcmp(drive_fault_name(&robstride_drive, 0x24), "OVER_TEMPERATURE") &&
               drive_reasons(&robstride_drive, 0x24) == (8 | 32),

@@ -23,13 +23,14 @@ static void set_up(struct can_arm *arm)
         const struct can_drive *drive = drives[i];
         const uint16_t number = (uint16_t)(i + 1);
         arm->joint_per_turn[i] = arm->torque_per_effort[i] = 1.0;
-        arm->ends[i] = (struct drive_node){ .drive = drive,
-                                            .number = number,
-                                            .answer = (uint16_t)(drive->answer + (drive->answer_has_number ? number : 0)),
-                                            .position_range = 12.5,
-                                            .velocity_range = 30.0,
-                                            .torque_range = 10.0,
-                                            .heat_limit = 80.0 };
+        arm->ends[i] =
+            (struct drive_node){ .drive = drive,
+                                 .number = number,
+                                 .answer = (uint16_t)(drive->answer + (drive->answer_has_number ? number : 0)),
+                                 .position_range = 12.5,
+                                 .velocity_range = 30.0,
+                                 .torque_range = 10.0,
+                                 .heat_limit = 80.0 };
     }
 }
 

@@ -140,8 +140,9 @@ static void each_kind_feels_the_desk(void)
 {
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         const uint64_t first = run_once(kinds[k].settings, kinds[k].name);
-        printf("    %-10s %4.0f of %d ticks in contact, %.2f mm deep, %.2f N, coupled by %.0f N/m\n", kinds[k].name, number_of_report("contacts"), TICKS,
-           1e3 * number_of_report("deepest"), number_of_report("strongest"), number_of_report("stiffness"));
+        printf("    %-10s %4.0f of %d ticks in contact, %.2f mm deep, %.2f N, coupled by %.0f N/m\n", kinds[k].name,
+               number_of_report("contacts"), TICKS, 1e3 * number_of_report("deepest"), number_of_report("strongest"),
+               number_of_report("stiffness"));
         CHECK(run_once(kinds[k].settings, kinds[k].name) == first, "%s: other torques or joints", kinds[k].name);
     }
 }

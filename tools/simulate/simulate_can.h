@@ -18,17 +18,17 @@ struct simulate_can_node {
     const struct drive_node *end; /* its drive, number and ranges */
     uint8_t node, generation;     /* of an ODrive */
     uint8_t state;                /* ODRIVE_STATE_IDLE or _CLOSED_LOOP; of other drives: off or on */
-    uint8_t is_done;         /* a trajectory is done; on 0.5 this bit shows the firmware */
-    uint8_t is_torque_mode;  /* 1: torque control with direct input */
-    uint32_t errors;         /* of the axis; of other drives: the fault */
-    uint32_t motor_errors;   /* 0.5 */
-    uint32_t causes;         /* errors that clearing does not end */
-    float torque;            /* of the motor, as set last, Nm; it acts in closed loop */
-    uint64_t torques;        /* number of torques received */
-    uint64_t heard_tick;     /* when the last frame to this node came */
-    uint64_t serial;         /* 0.6 */
-    double watchdog;         /* s, 0: none */
-    uint32_t estimate_ticks; /* between estimates; 0: only on request */
+    uint8_t is_done;              /* a trajectory is done; on 0.5 this bit shows the firmware */
+    uint8_t is_torque_mode;       /* 1: torque control with direct input */
+    uint32_t errors;              /* of the axis; of other drives: the fault */
+    uint32_t motor_errors;        /* 0.5 */
+    uint32_t causes;              /* errors that clearing does not end */
+    float torque;                 /* of the motor, as set last, Nm; it acts in closed loop */
+    uint64_t torques;             /* number of torques received */
+    uint64_t heard_tick;          /* when the last frame to this node came */
+    uint64_t serial;              /* 0.6 */
+    double watchdog;              /* s, 0: none */
+    uint32_t estimate_ticks;      /* between estimates; 0: only on request */
     uint32_t heartbeat_ticks;
     uint32_t copies;       /* nodes with this number; usually 1 */
     uint32_t extra_frames; /* sent in each tick, to babble */

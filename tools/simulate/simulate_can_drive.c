@@ -58,8 +58,7 @@ static void answer_status(struct simulate_can *simulated, uint32_t index)
     const struct simulate_can_node *node = &simulated->node[index];
     const struct drive_message message = {
         .kind = DRIVE_STATUS,
-        .as.status = { .position =
-                           (float)((simulated->joint[index] - arm->zero[index]) / arm->joint_per_turn[index]),
+        .as.status = { .position = (float)((simulated->joint[index] - arm->zero[index]) / arm->joint_per_turn[index]),
                        .velocity = (float)(simulated->speed[index] / arm->joint_per_turn[index]),
                        .torque = node->state == ODRIVE_STATE_CLOSED_LOOP ? node->torque : 0.0f,
                        .temperature = node->temperature,
