@@ -105,11 +105,11 @@ static dpt_result explain(const struct can_session *session, uint32_t index, dpt
 {
     const struct can_node *node = &session->monitor.nodes[index];
     const struct can_drive *drive = node->end->drive;
-    const struct drive_parameter *parameter = &drive->parameters[node->setup_at];
-    const char *name = name_of(parameter->parameter);
     if (node->is_duplicate)
         return device_error(error, DPT_E_DEVICE, "there are two motors with the number %u: give each its own",
                             node->node);
+    const struct drive_parameter *parameter = &drive->parameters[node->setup_at];
+    const char *name = name_of(parameter->parameter);
     if (node->is_refused && parameter->action == DRIVE_SET)
         return device_error(error, DPT_E_PROTOCOL, "%s %u: its %s was set to %g, and reads back as %g", drive->title,
                             node->node, name, target_of(node->end, parameter), node->value[parameter->parameter]);
