@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Hosts that others wrote, of our simulated motors on the kernel's bus, for tests/vm/run.sh: COUNT torques and statuses of each
-# DRIVE (damiao, robstride, cybergear, moteus). Python is slow in the emulated machine (10 s of processor time a drive), so make check does not run it.
+# DRIVE (damiao, robstride, cybergear, moteus). Python is slow in the emulated machine, 10 s of processor time a drive, so make
+# check does not run it.
 # robstride-dynamics needs numpy, whose code the emulated processor does not have.
 #     sh tests/vm/motor_hosts.sh BUILD [COUNT [DRIVE...]]
 program=$1/dynpoint count=${2:-100} dir=/tmp/motors.$$
