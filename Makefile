@@ -121,7 +121,7 @@ HOST := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,src/scene/*.c s
 ROOMS := cli shape record run view plot chart measure plan lab
 TOOLS := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,$(ROOMS:%=tools/%/*.c))) $(filter $(B)/tools/%,$(SCENE_FILE)) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
-SIMULATE := $(call objects,$(DRIVERS:%=tools/simulate/simulate_%.c)) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
+SIMULATE := $(call objects,$(wildcard $(DRIVERS:%=tools/simulate/simulate_%*.c))) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex) $(B)/libdynpoint_host
 
 # What this machine lacks, for the last line of make; not what the user left out, and not with make -s.

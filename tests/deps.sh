@@ -20,6 +20,7 @@ soft|9 MB, and 26 more from PyPI|MuJoCo, a second opinion on soft bodies|python3
 cross|178 MB|the same bits on AArch64, ARM and s390x|gcc-aarch64-linux-gnu libc6-dev-arm64-cross gcc-arm-linux-gnueabihf libc6-dev-armhf-cross gcc-s390x-linux-gnu libc6-dev-s390x-cross qemu-user-static
 firmware|123 MB|a Cortex-M7 in an emulator|gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv
+motors|9 MB, and 75 more from PyPI|libraries for Damiao, RobStride, CyberGear and moteus motors, which read our frames|python3 python3-venv
 view|234 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them; pictures|pkg-config libwebsockets-dev nodejs npm chromium webp
 build|26 MB|projects built with CMake; manual pages as they are shown|cmake groff
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
@@ -59,6 +60,7 @@ fetch() {
     case $1 in
     kinematics) sh tests/lib/venv.sh build/venv-urdf tests/oracle/requirements.txt ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
+    motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
     view) fetch_three ;;
     vm)
         sh tests/vm/kernel.sh fetch

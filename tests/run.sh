@@ -124,6 +124,7 @@ else
     [ -x build/tests/test_convex ] || skip "curved tips" "no libccd"
     [ -x build/tests/test_view_server ] || skip "the viewer's server" "no libwebsockets"
     run_reading "include src" "robots' kinematics" sh tests/oracle/urdf.sh build
+    run_reading "include src drivers" "libraries for motors" sh tests/drivers/drive_peers.sh build
     run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build
     run "races of threads" sh tests/tools/thread_races.sh build
     run_reading "include src" "MuJoCo's soft bodies" sh tests/bench/soft.sh build

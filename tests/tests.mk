@@ -104,6 +104,7 @@ TOOLS_TESTS := $(call tests_of,tests/host) $(call tests_of,tests/tools) $(call t
 $(TOOLS_TESTS): $(TOOLS_LIB)
 TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) $(CONVEX_LIBS)
 $(TOOLS_TESTS): private LDLIBS = $(TOOLS_TEST_LIBS)
+$(B)/tests/test_run_motors: private LDLIBS = $(TOOLS_TEST_LIBS) $(CAN_WRAPPED:%=-Wl,--wrap=%) -Wl,--wrap=clock_nanosleep,--wrap=nanosleep
 $(B)/tests/test_view_loop: private LDLIBS = $(TOOLS_TEST_LIBS) -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=free
 
 # Scene files: where the program reads them.
@@ -120,7 +121,7 @@ $(B)/tests/test_calls: private LDLIBS = -Wl,--wrap=malloc,--wrap=calloc,--wrap=r
 TESTS += $(B)/tests/test_calls
 
 # With CONFIG=fuzz or fuzz-fast alone: each target as a program of libFuzzer's.
-FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire record snapshot request
+FUZZ_TARGETS := obj stl ply off tetgen regions trace $(if $(SCENE_FILE),scene plan) mesh forged arm wire motor record snapshot request
 FUZZ_SHARED := $(filter-out $(FUZZ_TARGETS:%=$(B)/tests/fuzz/%.o) $(B)/tests/fuzz/mutate.o,$(FUZZ_PARTS))
 $(B)/tests/fuzz/fuzz_%: $(B)/tests/fuzz/%.o $(FUZZ_SHARED) $(TOOLS_LIB) $(PARTS_LIB) $(TEST_LIB)
 	$(CC) $(subst fuzzer-no-link,fuzzer,$(CONFIG_CFLAGS)) $(LDFLAGS) $(LINKED) -lm $(THREADS) $(DL) $(TOOLS_TEST_LIBS) -o $@
@@ -135,7 +136,7 @@ $(B)/tests/test_loop_phase: private LDLIBS = -Wl,--wrap=clock_gettime,--wrap=clo
 SERIAL_WRAPPED := open close read write poll ioctl flock tcgetattr tcsetattr tcflush calloc clock_gettime
 $(B)/tests/test_serial $(B)/tests/test_serial_faults: private LDLIBS = $(SERIAL_WRAPPED:%=-Wl,--wrap=%)
 CAN_WRAPPED := socket bind setsockopt ioctl recvmmsg sendmmsg poll close clock_gettime malloc calloc fopen fread
-$(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults $(B)/tests/test_can_open: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
+$(B)/tests/test_can $(B)/tests/test_can_arm $(B)/tests/test_can_faults $(B)/tests/test_can_open $(B)/tests/test_can_motors: private LDLIBS = $(CAN_WRAPPED:%=-Wl,--wrap=%)
 
 # Stand-ins for libHD, loaded as the vendor's would be: a whole one, one as of version 3.0, and three that do not load or
 # are not what they are called. libPHANToMIO.so.4 is not where the loader looks.

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The driver "can": arms of ODrive motor controllers, "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10&watchdog=0.05". */
+/*
+ * The driver "can": arms of motors on a CAN bus, "can:can0?arm=arm.dpa&nodes=0,1,2&gear=8,-8,10&watchdog=0.05" of ODrives,
+ * "can:can0?arm=arm.dpa&drive=damiao" of others.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -85,6 +88,20 @@ static dpt_result can_open(const dpt_driver *driver, const char *where, dpt_devi
                         "configured at the controllers, or at your own risk ?watchdog=none");
 }
 
+static void describe_motors(const struct can_session *session, dpt_device_info *info)
+{
+    const struct can_drive *drive = session->arm.ends[0].drive;
+    int is_mixed = 0;
+    for (uint32_t i = 1; i < session->arm.joints; i++)
+        is_mixed |= session->arm.ends[i].drive != drive;
+    if (is_mixed)
+        snprintf(info->name, sizeof info->name, "arm of motors of several makers");
+    else if (drive == &odrive_drive)
+        snprintf(info->name, sizeof info->name, "arm of ODrives, firmware 0.%u", session->monitor.nodes[0].generation);
+    else
+        snprintf(info->name, sizeof info->name, "arm of %s motors", drive->title);
+}
+
 static void can_info(const dpt_device *base, dpt_device_info *info)
 {
     const struct can_device *device = (const struct can_device *)base;
@@ -101,7 +118,8 @@ static void can_info(const dpt_device *base, dpt_device_info *info)
     info->watchdog = device->session.settings.watchdog;
     memcpy(info->workspace_min, device->session.arm.workspace_min, sizeof info->workspace_min);
     memcpy(info->workspace_max, device->session.arm.workspace_max, sizeof info->workspace_max);
-    snprintf(info->name, sizeof info->name, "arm of ODrives, firmware 0.%u", first->generation);
+    can_arm_steps(&device->session.arm, &info->position_step, &info->angle_step);
+    describe_motors(&device->session, info);
     if (first->serial)
         snprintf(info->serial, sizeof info->serial, "%012llX", (unsigned long long)first->serial);
     dynamics_override(&device->session.settings.dynamics, info);
@@ -115,7 +133,7 @@ static void stop_all(struct can_device *device, uint64_t now)
 {
     uint32_t active = 0;
     for (uint32_t i = 0; i < device->session.monitor.count; i++)
-        active += device->session.monitor.nodes[i].heartbeat.state == ODRIVE_STATE_CLOSED_LOOP;
+        active += can_node_is_on(&device->session.monitor.nodes[i]) != 0;
     device->is_driving = 0;
     if (device->stopped_ns && (now - device->stopped_ns < STOP_EVERY || !active))
         return;
@@ -136,18 +154,27 @@ static void keep_alive(struct can_device *device, uint64_t now)
         device->is_driving = 0;
     if (!device->is_driving && now - device->fed_ns >= feed) {
         device->fed_ns = now;
-        can_session_put_all(&device->session, can_no_torque);
+        can_session_put_reporters(&device->session, can_no_torque);
     }
 }
 
-/* Request estimates, of a stopped device too: its pose stays current, and silence would be another fault. */
+/*
+ * Request estimates, of a stopped device too: its pose stays current, and silence would be another fault. Motors that answer do so
+ * to the host's torques, or to zero torque while the host does not write.
+ */
 static void request_estimates(struct can_device *device, uint64_t now)
 {
-    const uint64_t period = device->session.monitor.period_ns;
-    if (device->session.settings.request == 0.0 || now - device->session.requested_ns < period - period / 8)
+    struct can_session *session = &device->session;
+    const uint64_t period = session->monitor.period_ns;
+    const int is_ready = session->monitor.status == DPT_DEVICE_STATUS_READY;
+    if (now - session->requested_ns < period - period / 8)
         return;
-    device->session.requested_ns = now;
-    can_session_put_all(&device->session, can_request_estimates);
+    session->requested_ns = now;
+    if (session->settings.request != 0.0)
+        can_session_put_reporters(session, can_ask);
+    for (uint32_t i = 0; i < session->monitor.count; i++)
+        if (session->arm.ends[i].drive->answers && !(is_ready && device->is_driving))
+            can_session_put(session, i, is_ready ? can_no_torque : can_ask);
 }
 
 /* A heartbeat of 0.5 says which parts have errors, but not which errors: request them. */
@@ -158,7 +185,7 @@ static void request_part_errors(struct can_device *device)
         for (int k = 0; k < 3 && device->session.monitor.failed_nodes >> i & 1; k++) {
             const struct odrive_message request = { .command = parts[k], .is_request = 1 };
             if (device->session.monitor.nodes[i].heartbeat.failed >> k & 1)
-                can_session_put(&device->session, i, request);
+                can_session_put_odrive(&device->session, i, request);
         }
     device->session.monitor.failed_nodes = 0;
 }
@@ -185,7 +212,7 @@ static dpt_result can_read(dpt_device *base, dpt_device_state *state)
     device->last.fresh = fresh < UINT32_MAX ? (uint32_t)fresh : UINT32_MAX;
     device->last.sequence = monitor->sequence;
     device->last.time_ns = monitor->sample_ns;
-    device->last.temperature = -1.0;
+    device->last.temperature = can_monitor_temperature(monitor);
     device->last.status = monitor->status;
     device->last.reasons = monitor->reasons;
     device->last.code = monitor->code;
@@ -218,7 +245,7 @@ static dpt_result can_write(dpt_device *base, const dpt_wrench *wrench)
     }
     DPT_TRY(can_arm_torques(&device->session.arm, device->joint, wrench, weight_share, torques));
     for (uint32_t i = 0; i < monitor->count; i++) {
-        const struct odrive_message command = { .command = ODRIVE_SET_TORQUE, .as.torque = torques[i] };
+        const struct drive_message command = { .kind = DRIVE_TORQUE, .as.command.torque = torques[i] };
         can_session_put(&device->session, i, command);
     }
     monitor->counts.commands++;
@@ -270,7 +297,7 @@ static void can_close(dpt_device *base)
         can_session_wait(&device->session, clock_now() + STOP_EVERY);
         active = 0;
         for (uint32_t i = 0; i < device->session.monitor.count; i++)
-            active += device->session.monitor.nodes[i].heartbeat.state == ODRIVE_STATE_CLOSED_LOOP;
+            active += can_node_is_on(&device->session.monitor.nodes[i]) != 0;
     }
     socketcan_close(&device->session.socketcan);
     can_arm_close(&device->session.arm);
@@ -299,7 +326,8 @@ const dpt_driver can_driver = {
     .size = sizeof can_driver,
     .version = DPT_DRIVER_VERSION,
     .name = "can",
-    .about = "arms of ODrive motor controllers on a CAN bus: can:can0?arm=arm.dpa&gear=8,-8,10&watchdog=0.05",
+    .about = "arms of ODrive, Damiao, RobStride, CyberGear or moteus motors on a CAN bus: "
+             "can:can0?arm=arm.dpa&drive=odrive&gear=8,-8,10&watchdog=0.05",
     .open = can_open,
     .info = can_info,
     .read = can_read,

@@ -13,10 +13,11 @@
 #include "settings.h"
 #include "text/parse_number.h"
 
-#define TURN           6.283185307179586476925
-#define GRAVITY        9.80665
-#define FILE_BYTES_MAX (64l << 20)
-#define FORCE_MAX      1e6 /* N, Nm; above it efforts might not be finite */
+#define TURN            6.283185307179586476925
+#define GRAVITY         9.80665
+#define FILE_BYTES_MAX  (64l << 20)
+#define WATCHDOG_UNSAID 0.05 /* s; for motors whose watchdog the driver sets */
+#define FORCE_MAX       1e6  /* N, Nm; above it efforts might not be finite */
 
 /* Read the watchdog: a number of seconds, "none", or "" if it was not given. */
 static dpt_result read_watchdog(struct can_settings *settings, const char *text, dpt_device_error *error)
@@ -35,7 +36,8 @@ static dpt_result read_watchdog(struct can_settings *settings, const char *text,
 
 dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_device_error *error)
 {
-    const struct can_settings defaults = { .axes = "-y+z-x",
+    const struct can_settings defaults = { .drive = "odrive",
+                                           .axes = "-y+z-x",
                                            .firmware = "auto",
                                            .rate = 1000.0,
                                            .weight = 1.0,
@@ -46,6 +48,9 @@ dpt_result can_settings_read(const char *where, struct can_settings *s, dpt_devi
     *s = defaults;
     const struct setting settings[] = {
         { .name = "arm", .text = s->arm, .text_bytes = sizeof s->arm },
+        { .name = "drive", .text = s->drive, .text_bytes = sizeof s->drive },
+        { .name = "model", .text = s->model, .text_bytes = sizeof s->model },
+        { .name = "answers", .text = s->answers, .text_bytes = sizeof s->answers },
         { .name = "nodes", .text = s->nodes, .text_bytes = sizeof s->nodes },
         { .name = "gear", .text = s->gear, .text_bytes = sizeof s->gear },
         { .name = "zero", .text = s->zero, .text_bytes = sizeof s->zero },
@@ -89,21 +94,106 @@ static dpt_result read_list(const char *name, const char *text, uint32_t count, 
     return DPT_OK;
 }
 
-static dpt_result read_nodes(struct can_arm *arm, const char *text, dpt_device_error *error)
+/* The next of `count` words with commas between; the last stands for all that follow it. */
+static const char *next_word(const char **at, size_t *length)
 {
-    double nodes[DPT_JOINTS_MAX];
-    for (uint32_t i = 0; i < DPT_JOINTS_MAX; i++)
-        nodes[i] = i;
-    uint64_t used_nodes = 0;
-    DPT_TRY(read_list("nodes", text, arm->joints, nodes, error));
+    const char *word = *at;
+    *length = strcspn(word, ",");
+    if (word[*length])
+        *at = word + *length + 1;
+    return word;
+}
+
+int can_arm_has_reporters(const struct can_arm *arm)
+{
+    for (uint32_t i = 0; i < arm->joints; i++)
+        if (!arm->ends[i].drive->answers)
+            return 1;
+    return 0;
+}
+
+/* Without a word about the watchdog: motors whose watchdog the driver sets get one; others give no force. */
+static void choose_watchdog(struct can_arm *arm, struct can_settings *settings)
+{
+    if (settings->gives_force)
+        return;
+    settings->gives_force = !can_arm_has_reporters(arm);
+    settings->watchdog = settings->gives_force ? WATCHDOG_UNSAID : 0.0;
+}
+
+static dpt_result read_drives(struct can_arm *arm, struct can_settings *settings, dpt_device_error *error)
+{
+    const char *at_drive = settings->drive, *at_model = settings->model;
     for (uint32_t i = 0; i < arm->joints; i++) {
-        if (!(nodes[i] >= 0.0 && nodes[i] < 64.0) || nodes[i] != floor(nodes[i]) ||
-            used_nodes >> (uint32_t)nodes[i] & 1)
-            return device_error(error, DPT_E_SETTING, "nodes are numbers of 0 to 63, another one for each joint");
-        arm->nodes[i] = (uint8_t)nodes[i];
-        used_nodes |= (uint64_t)1 << arm->nodes[i];
+        struct drive_node *node = &arm->ends[i];
+        size_t drive_length, model_length;
+        const char *drive = next_word(&at_drive, &drive_length), *model = next_word(&at_model, &model_length);
+        node->drive = drive_find(drive, drive_length);
+        if (!node->drive)
+            return device_error(error, DPT_E_SETTING,
+                                "drive: '%.*s' is none of odrive, damiao, robstride, cybergear, moteus",
+                                (int)drive_length, drive);
+        node->position_range = node->drive->position_range;
+        node->velocity_range = node->drive->velocity_range;
+        node->torque_range = node->drive->torque_range;
+        node->heat_limit = node->drive->heat_limit;
+        if (node->drive->has_models && !drive_set_model(node, model, model_length))
+            return device_error(
+                error, DPT_E_SETTING,
+                "model: '%.*s' of joint %u is none of rs-01, rs-02, rs-03, rs-04, nor the manual's ranges "
+                "of velocity and torque, as 44:17",
+                (int)model_length, model, (unsigned)i);
+    }
+    choose_watchdog(arm, settings);
+    for (uint32_t i = 0; i < arm->joints; i++)
+        arm->ends[i].watchdog = settings->watchdog;
+    return DPT_OK;
+}
+
+static dpt_result read_nodes(struct can_arm *arm, const struct can_settings *settings, dpt_device_error *error)
+{
+    double nodes[DPT_JOINTS_MAX], answers[DPT_JOINTS_MAX];
+    for (uint32_t i = 0; i < arm->joints; i++)
+        nodes[i] = i + arm->ends[i].drive->number_min;
+    DPT_TRY(read_list("nodes", settings->nodes, arm->joints, nodes, error));
+    for (uint32_t i = 0; i < arm->joints; i++) {
+        const struct can_drive *drive = arm->ends[i].drive;
+        if (!(nodes[i] >= drive->number_min && nodes[i] <= drive->number_max) || nodes[i] != floor(nodes[i]))
+            return device_error(error, DPT_E_SETTING, "nodes are numbers of %u to %u of %s, another one for each joint",
+                                drive->number_min, drive->number_max, drive->title);
+        arm->ends[i].number = (uint16_t)nodes[i];
+        answers[i] = drive->answer + (drive->answer_has_number ? nodes[i] : 0.0);
+    }
+    DPT_TRY(read_list("answers", settings->answers, arm->joints, answers, error));
+    for (uint32_t i = 0; i < arm->joints; i++) {
+        if (!(answers[i] >= 0.0 && answers[i] < 0x7ff) || answers[i] != floor(answers[i]))
+            return device_error(error, DPT_E_SETTING, "answers are ids of 0 to 2046");
+        arm->ends[i].answer = (uint16_t)answers[i];
+        for (uint32_t k = 0; k < i; k++)
+            if (drive_nodes_collide(&arm->ends[k], &arm->ends[i]))
+                return device_error(
+                    error, DPT_E_SETTING,
+                    "the motors of joints %u and %u would use the same ids on the bus: set others at one "
+                    "of them, and by ?nodes= (Damiao: and ?answers=)",
+                    (unsigned)k, (unsigned)i);
     }
     return DPT_OK;
+}
+
+int can_arm_is_fd(const struct can_arm *arm)
+{
+    for (uint32_t i = 0; i < arm->joints; i++)
+        if (arm->ends[i].drive->is_fd)
+            return 1;
+    return 0;
+}
+
+int can_arm_wanted(const struct can_arm *arm, struct can_wanted *wanted)
+{
+    int count = 0;
+    for (uint32_t i = 0; i < arm->joints; i++)
+        count += arm->ends[i].drive->wanted(&arm->ends[i], wanted + count);
+    return count;
 }
 
 /*
@@ -126,9 +216,9 @@ static dpt_result read_gears(struct can_arm *arm, const struct can_settings *set
         arm->torque_per_effort[i] = arm->is_slider[i] ? 1.0 / (gear[i] * TURN) : 1.0 / gear[i];
     }
     DPT_TRY(read_list("zero", settings->zero, arm->joints, arm->zero, error));
-    DPT_TRY(read_list("torque", settings->torque, arm->joints, arm->limit, error));
+    DPT_TRY(read_list("torque", settings->torque, arm->joints, arm->joint_limit, error));
     for (uint32_t i = 0; i < arm->joints; i++)
-        if (!(arm->limit[i] > 0.0))
+        if (!(arm->joint_limit[i] > 0.0))
             return device_error(error, DPT_E_SETTING,
                                 "torque: the arm's file has no limit for joint %u: give the "
                                 "joints' limits, Nm or N, by ?torque=",
@@ -201,24 +291,55 @@ static double coordinate_at(const dpt_arm_joint *joint, double weight_share)
                                                : joint->lower + weight_share * (joint->upper - joint->lower);
 }
 
-/* The workspace: the box, in the device's frame, around the tool's positions on a coarse grid of all joints. */
-static void measure_workspace(struct can_arm *arm, const dpt_arm_joint *joint)
+/* Coordinate i of all joints at point n of a coarse grid; returns how many points there are. */
+static uint32_t grid_point(const struct can_arm *arm, uint32_t n, double *joints)
 {
     const uint32_t steps = arm->joints > 5 ? 3 : 5;
+    uint32_t points = 1;
+    for (uint32_t i = 0, rest = n; i < arm->joints; i++, rest /= steps) {
+        dpt_arm_joint joint = { .size = sizeof joint };
+        dpt_arm_get_joint(arm->arm, i, &joint);
+        joints[i] = coordinate_at(&joint, (double)(rest % steps) / (steps - 1));
+        points *= steps;
+    }
+    return points;
+}
+
+/* The workspace: the box, in the device's frame, around the tool's positions on the grid. */
+static void measure_workspace(struct can_arm *arm)
+{
     double joints[DPT_JOINTS_MAX], position[3];
     dpt_pose tool;
-    uint32_t points = 1;
-    for (uint32_t i = 0; i < arm->joints; i++)
-        points *= steps;
+    const uint32_t points = grid_point(arm, 0, joints);
     for (uint32_t n = 0; n < points; n++) {
-        for (uint32_t i = 0, rest = n; i < arm->joints; i++, rest /= steps)
-            joints[i] = coordinate_at(&joint[i], (double)(rest % steps) / (steps - 1));
+        grid_point(arm, n, joints);
         if (dpt_arm_forward(arm->arm, joints, &tool) != DPT_OK)
             continue;
         device_position(arm, &tool, position);
         for (int k = 0; k < 3; k++) {
             arm->workspace_min[k] = min_of(arm->workspace_min[k], position[k]);
             arm->workspace_max[k] = max_of(arm->workspace_max[k], position[k]);
+        }
+    }
+}
+
+void can_arm_steps(const struct can_arm *arm, double *position, double *angle)
+{
+    double joints[DPT_JOINTS_MAX], velocity[3], spin[3];
+    *position = *angle = 0.0;
+    const uint32_t points = grid_point(arm, 0, joints);
+    for (uint32_t i = 0; i < arm->joints; i++)
+        if (!(drive_position_step(&arm->ends[i]) > 0.0))
+            return;
+    for (uint32_t n = 0; n < points; n++) {
+        grid_point(arm, n, joints);
+        for (uint32_t i = 0; i < arm->joints; i++) {
+            double step[DPT_JOINTS_MAX] = { 0.0 };
+            step[i] = fabs(arm->joint_per_turn[i]) * drive_position_step(&arm->ends[i]);
+            if (dpt_arm_velocity(arm->arm, joints, step, velocity, spin) != DPT_OK)
+                continue;
+            *position = max_of(*position, vec3_length(velocity));
+            *angle = max_of(*angle, vec3_length(spin));
         }
     }
 }
@@ -242,7 +363,22 @@ static double max_along_axes(const struct can_arm *arm, int is_torque)
     return min_strength;
 }
 
-static dpt_result set_up(struct can_arm *arm, const struct can_settings *settings, dpt_device_error *error)
+void can_arm_apply_ranges(struct can_arm *arm)
+{
+    for (uint32_t i = 0; i < arm->joints; i++) {
+        struct drive_node *node = &arm->ends[i];
+        const double step = drive_torque_step(node), per_effort = fabs(arm->torque_per_effort[i]);
+        arm->limit[i] = arm->joint_limit[i];
+        if (node->torque_range > 0.0)
+            arm->limit[i] = min_of(arm->limit[i], node->torque_range / per_effort);
+        node->torque_limit = arm->limit[i] * per_effort;
+        arm->limit[i] = max_of(arm->limit[i] - 0.5 * step / per_effort, 0.0);
+    }
+    arm->force_max = max_along_axes(arm, 0);
+    arm->torque_max = arm->wrench_dofs == 6 ? max_along_axes(arm, 1) : 0.0;
+}
+
+static dpt_result set_up(struct can_arm *arm, struct can_settings *settings, dpt_device_error *error)
 {
     dpt_arm_joint joint[DPT_JOINTS_MAX];
     dpt_arm_info info = { .size = sizeof info };
@@ -254,22 +390,22 @@ static dpt_result set_up(struct can_arm *arm, const struct can_settings *setting
         joint[i].size = sizeof joint[i];
         dpt_arm_get_joint(arm->arm, i, &joint[i]);
         arm->is_slider[i] = joint[i].kind == DPT_JOINT_PRISMATIC;
-        arm->limit[i] = joint[i].effort;
+        arm->joint_limit[i] = joint[i].effort;
         arm->middle[i] = coordinate_at(&joint[i], 0.5);
     }
     const dpt_result result = dpt_arm_forward(arm->arm, arm->middle, &tool);
     if (result != DPT_OK)
         return device_error(error, result, "the arm's joints have no middle");
     memcpy(arm->centre, tool.position, sizeof arm->centre);
-    DPT_TRY(read_nodes(arm, settings->nodes, error));
+    DPT_TRY(read_drives(arm, settings, error));
+    DPT_TRY(read_nodes(arm, settings, error));
     DPT_TRY(read_gears(arm, settings, error));
     DPT_TRY(read_axes(arm, settings->axes, error));
     DPT_TRY(read_list("centre", settings->centre, 3, arm->centre, error));
     const double down[3] = { 0.0, settings->weight != 0.0 && info.mass > 0.0 ? -GRAVITY : 0.0, 0.0 };
     can_arm_to_root(arm, down, arm->gravity);
-    measure_workspace(arm, joint);
-    arm->force_max = max_along_axes(arm, 0);
-    arm->torque_max = arm->wrench_dofs == 6 ? max_along_axes(arm, 1) : 0.0;
+    measure_workspace(arm);
+    can_arm_apply_ranges(arm);
     return DPT_OK;
 }
 
@@ -291,7 +427,7 @@ static dpt_result read_file(const char *path, void **bytes, size_t *size, dpt_de
                                            result == DPT_E_MEMORY ? "no memory" : "cannot be read");
 }
 
-dpt_result can_arm_open(struct can_arm *arm, const struct can_settings *settings, dpt_device_error *error)
+dpt_result can_arm_open(struct can_arm *arm, struct can_settings *settings, dpt_device_error *error)
 {
     size_t size = 0;
     memset(arm, 0, sizeof *arm);

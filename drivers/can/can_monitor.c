@@ -19,6 +19,8 @@
 #define HEARTBEATS_LEAK  8
 #define SAMPLES_AHEAD    160
 #define SAMPLES_LEAK     256
+#define SURPLUS_MAX      10
+#define ROOM             20.0 /* degrees Celsius */
 #define SPREAD_PERIODS   5    /* parts of a sample are not further apart */
 #define ROTARY_ALLOWANCE 20.0 /* rad/s, faster than hands start a joint from rest */
 #define SLIDER_ALLOWANCE 5.0  /* m/s */
@@ -37,10 +39,12 @@ void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm, co
     monitor->heartbeat_period_ns = (uint64_t)(1e9 * settings->heartbeat);
     monitor->silent_ns = (uint64_t)(1e9 * settings->silent);
     for (uint32_t i = 0; i < monitor->count; i++) {
-        monitor->nodes[i].node = arm->nodes[i];
+        monitor->nodes[i].end = &arm->ends[i];
+        monitor->nodes[i].node = (uint8_t)arm->ends[i].number;
         monitor->nodes[i].speed_allowance =
             (arm->is_slider[i] ? SLIDER_ALLOWANCE : ROTARY_ALLOWANCE) / fabs(arm->joint_per_turn[i]);
-        monitor->index[arm->nodes[i]] = (uint8_t)i;
+        if (!arm->ends[i].drive->answers)
+            monitor->index[arm->ends[i].number] = (uint8_t)i;
     }
     can_monitor_forget(monitor);
 }
@@ -48,7 +52,8 @@ void can_monitor_init(struct can_monitor *monitor, const struct can_arm *arm, co
 void can_monitor_forget(struct can_monitor *monitor)
 {
     for (uint32_t i = 0; i < monitor->count; i++) {
-        const struct can_node remembered = { .node = monitor->nodes[i].node,
+        const struct can_node remembered = { .end = monitor->nodes[i].end,
+                                             .node = monitor->nodes[i].node,
                                              .generation = monitor->nodes[i].generation,
                                              .speed_allowance = monitor->nodes[i].speed_allowance };
         monitor->nodes[i] = remembered;
@@ -75,8 +80,15 @@ void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32
     monitor->reasons |= reasons;
 }
 
+int can_node_is_on(const struct can_node *node)
+{
+    return node->end->drive->answers ? node->is_on : node->heartbeat.state == ODRIVE_STATE_CLOSED_LOOP;
+}
+
 int can_node_is_active(const struct can_node *node)
 {
+    if (node->end->drive->answers)
+        return node->has_heartbeat && node->is_on && !node->fault;
     return node->has_heartbeat && node->heartbeat.state == ODRIVE_STATE_CLOSED_LOOP && !node->heartbeat.errors &&
            !node->heartbeat.failed;
 }
@@ -195,6 +207,17 @@ static void remove_sent(struct can_node *node, uint32_t at)
     memmove(&node->sent[at], &node->sent[at + 1], (node->sent_count - at) * sizeof *node->sent);
 }
 
+/* Frames with other ids or data have other numbers, but for one pair in four thousand million. */
+static uint32_t number_of(const struct can_message *message)
+{
+    uint32_t number = 2166136261u;
+    for (int i = 0; i < 4; i++)
+        number = (number ^ (message->id >> 8 * i & 0xff)) * 16777619u;
+    for (int i = 0; i < message->size; i++)
+        number = (number ^ message->data[i]) * 16777619u;
+    return number;
+}
+
 /*
  * A torque of ours came back from the bus: match it with the first unconfirmed torque of the same bits. Equal torques
  * in a row cannot be told apart: it counts as late if it is late even for the last of them, and a lost one is left over
@@ -202,36 +225,49 @@ static void remove_sent(struct can_node *node, uint32_t at)
  */
 static void confirm_torque(struct can_monitor *monitor, struct can_node *node, const struct can_message *message)
 {
-    const uint32_t bits = (uint32_t)message->data[0] | (uint32_t)message->data[1] << 8 |
-                          (uint32_t)message->data[2] << 16 | (uint32_t)message->data[3] << 24;
+    const uint32_t number = number_of(message);
     uint32_t at = 0;
-    while (at < node->sent_count && node->sent[at].bits != bits)
+    while (at < node->sent_count && node->sent[at].frame != number)
         at++;
     if (at == node->sent_count)
         return; /* it was counted as missed before */
     for (uint32_t i = 0; i < at; i++)
         node->sent[i].is_overtaken = 1;
     uint32_t last = at;
-    while (last + 1 < node->sent_count && node->sent[last + 1].bits == bits)
+    while (last + 1 < node->sent_count && node->sent[last + 1].frame == number)
         last++;
     const int64_t late = (int64_t)(message->time_ns - node->sent[last].time_ns);
     monitor->counts.missed += node->sent[at].is_overtaken || late > (int64_t)(2 * monitor->period_ns);
     remove_sent(node, at);
 }
 
-static void take_confirmation(struct can_monitor *monitor, struct can_node *node, const struct can_message *message)
+/*
+ * The node that a frame is of, to it or from it; NULL: none of ours. kind: what it says; DRIVE_OTHER of an ODrive, but for a
+ * torque.
+ */
+static struct can_node *find_node(struct can_monitor *monitor, const struct can_message *message,
+                                  struct drive_message *decoded)
 {
-    monitor->unconfirmed_ns = 0;
-    monitor->has_confirmed = 1;
-    if ((message->id & 31) == ODRIVE_SET_TORQUE && !(message->flags & CAN_MESSAGE_REMOTE))
-        confirm_torque(monitor, node, message);
+    const int is_short = !(message->flags & (CAN_MESSAGE_EXTENDED | CAN_MESSAGE_FD));
+    const uint8_t index = is_short ? monitor->index[message->id >> 5 & (ODRIVE_NODES - 1)] : 0xff;
+    decoded->kind = DRIVE_OTHER;
+    if (index != 0xff) {
+        if ((message->id & 31) == ODRIVE_SET_TORQUE && !(message->flags & CAN_MESSAGE_REMOTE))
+            decoded->kind = DRIVE_TORQUE;
+        return &monitor->nodes[index];
+    }
+    for (uint32_t i = 0; i < monitor->count; i++) {
+        const struct drive_node *end = monitor->nodes[i].end;
+        if (end->drive->answers && end->drive->decode(end, message, decoded) != DRIVE_OTHER)
+            return &monitor->nodes[i];
+    }
+    return NULL;
 }
 
-static void report_foreign_order(struct can_monitor *monitor, const struct can_node *node, unsigned command)
+static void report_foreign_order(struct can_monitor *monitor, const struct can_node *node, int is_estop)
 {
     monitor->foreign_orders++;
-    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT,
-                           command == ODRIVE_ESTOP ? DPT_REASON_ESTOP : DPT_REASON_LINK,
+    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, is_estop ? DPT_REASON_ESTOP : DPT_REASON_LINK,
                            CAN_CODE(CAN_CODE_FOREIGN_ORDER, node->node));
 }
 
@@ -261,8 +297,9 @@ static void take_estimates(struct can_monitor *monitor, struct can_node *node, f
 {
     if (node->has_estimate) {
         const uint64_t elapsed_ns = time_ns - node->estimate_ns;
-        check_rate(monitor, node, &node->estimates_ahead_ns, elapsed_ns, monitor->period_ns, SAMPLES_AHEAD,
-                   SAMPLES_LEAK);
+        if (!node->end->drive->answers)
+            check_rate(monitor, node, &node->estimates_ahead_ns, elapsed_ns, monitor->period_ns, SAMPLES_AHEAD,
+                       SAMPLES_LEAK);
         check_jump(monitor, node, position, velocity, (int64_t)elapsed_ns);
     }
     node->position = position;
@@ -274,22 +311,105 @@ static void take_estimates(struct can_monitor *monitor, struct can_node *node, f
     complete_sample(monitor, time_ns);
 }
 
+/* An answer more than there were commands: a few may be left over from before. */
+static void count_answer(struct can_monitor *monitor, struct can_node *node)
+{
+    if (++node->surplus <= SURPLUS_MAX)
+        return;
+    node->surplus = 0;
+    node->is_duplicate = 1;
+    can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_LINK, CAN_CODE(CAN_CODE_DUPLICATE, node->node));
+}
+
+static void take_fault(struct can_monitor *monitor, struct can_node *node, uint32_t fault)
+{
+    node->fault = fault;
+    if (fault)
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, drive_reasons(node->end->drive, fault), fault);
+}
+
+static void take_status(struct can_monitor *monitor, struct can_node *node, const struct drive_status *status,
+                        uint64_t time)
+{
+    node->has_heartbeat = 1;
+    node->heartbeat_ns = time;
+    node->is_on = status->is_on;
+    node->temperature = status->temperature;
+    take_fault(monitor, node, status->fault);
+    if (node->end->heat_limit > 0.0 && (double)status->temperature >= node->end->heat_limit)
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_OVERHEATED,
+                               CAN_CODE(CAN_CODE_HOT, node->node));
+    if (monitor->is_armed && !status->is_on && monitor->status == DPT_DEVICE_STATUS_READY) {
+        monitor->counts.resets++;
+        can_monitor_set_status(monitor, DPT_DEVICE_STATUS_FAULT, DPT_REASON_DEVICE,
+                               CAN_CODE(CAN_CODE_RESTARTED, node->node));
+    }
+    take_estimates(monitor, node, status->position, status->velocity, time);
+}
+
+/* A frame of a drive that answers. */
+static void take_answer(struct can_monitor *monitor, struct can_node *node, const struct drive_message *decoded,
+                        uint64_t time)
+{
+    switch (decoded->kind) {
+    case DRIVE_STATUS:
+        count_answer(monitor, node);
+        take_status(monitor, node, &decoded->as.status, time);
+        break;
+    case DRIVE_FAULT:
+        take_fault(monitor, node, decoded->as.fault);
+        break;
+    case DRIVE_VALUE:
+        count_answer(monitor, node);
+        node->value[decoded->parameter] = decoded->as.value;
+        node->known_values |= 1u << decoded->parameter;
+        break;
+    case DRIVE_DAMAGED:
+        monitor->counts.damaged++;
+        break;
+    case DRIVE_ASK:
+    case DRIVE_READ:
+        break; /* whoever asks does no harm */
+    default:
+        report_foreign_order(monitor, node, decoded->kind == DRIVE_STOP);
+        break;
+    }
+}
+
+double can_monitor_temperature(const struct can_monitor *monitor)
+{
+    double hottest = -1.0;
+    for (uint32_t i = 0; i < monitor->count; i++) {
+        const struct can_node *node = &monitor->nodes[i];
+        if (node->end->heat_limit > ROOM && node->end->drive->answers && node->has_heartbeat)
+            hottest = max_of(hottest, max_of(((double)node->temperature - ROOM) / (node->end->heat_limit - ROOM), 0.0));
+    }
+    return hottest;
+}
+
 void can_monitor_take(struct can_monitor *monitor, const struct can_message *message)
 {
     struct odrive_message decoded;
-    const uint8_t index = monitor->index[message->id >> 5 & (ODRIVE_NODES - 1)];
-    if (index == 0xff)
+    struct drive_message said;
+    struct can_node *node = find_node(monitor, message, &said);
+    if (!node)
         return;
-    struct can_node *node = &monitor->nodes[index];
     if (message->flags & CAN_MESSAGE_OWN) {
-        take_confirmation(monitor, node, message);
+        monitor->unconfirmed_ns = 0;
+        monitor->has_confirmed = 1;
+        if (said.kind == DRIVE_TORQUE)
+            confirm_torque(monitor, node, message);
         return;
     }
     count_frame(monitor, node, message->time_ns);
     if (message->flags & CAN_MESSAGE_REMOTE)
         return;
+    if (node->end->drive->answers) {
+        take_answer(monitor, node, &said, message->time_ns);
+        return;
+    }
     if (odrive_is_control(message->id & 31)) {
-        report_foreign_order(monitor, node, message->id & 31);
+        report_foreign_order(monitor, node, (message->id & 31) == ODRIVE_ESTOP);
         return;
     }
     const int kind = odrive_decode(message, node->generation, &decoded);
@@ -331,15 +451,20 @@ void can_monitor_take(struct can_monitor *monitor, const struct can_message *mes
     }
 }
 
-void can_monitor_note_sent(struct can_monitor *monitor, uint32_t index, float torque, uint64_t now)
+void can_monitor_note_sent(struct can_monitor *monitor, const struct can_message *frame, uint64_t now)
 {
-    struct can_node *node = &monitor->nodes[index];
+    struct drive_message said;
+    struct can_node *node = find_node(monitor, frame, &said);
+    if (node && node->surplus > -SURPLUS_MAX)
+        node->surplus--;
+    if (!node || said.kind != DRIVE_TORQUE)
+        return;
     if (node->sent_count == CAN_SENT_MAX) {
         monitor->counts.missed++;
         remove_sent(node, 0);
     }
     struct can_sent *sent = &node->sent[node->sent_count++];
-    memcpy(&sent->bits, &torque, 4);
+    sent->frame = number_of(frame);
     sent->time_ns = now;
     sent->is_overtaken = 0;
 }
@@ -376,6 +501,12 @@ void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_drained
 void can_node_describe(const struct can_node *node, char *text, size_t size)
 {
     static const char *const part[ODRIVE_ERROR_WORDS] = { "", "", "motor ", "encoder ", "controller " };
+    if (node->end->drive->answers) {
+        const char *fault = drive_fault_name(node->end->drive, node->fault);
+        snprintf(text, size, "node %u: %s%s%s", node->node, node->is_on ? "on" : "off", fault ? ", " : "",
+                 fault ? fault : "");
+        return;
+    }
     size_t used = (size_t)snprintf(text, size, "node %u: %s", node->node, odrive_state_name(node->heartbeat.state));
     for (unsigned word = 0; word < ODRIVE_ERROR_WORDS; word++)
         for (uint64_t left = node->errors[word]; left && used < size; left &= left - 1)

@@ -35,7 +35,8 @@ enum {
     CAN_CODE_RESTARTED = 10,    /* it left closed loop without an error: rebooted, or was told to */
     CAN_CODE_NO_ESTIMATE = 11,  /* no estimate */
     CAN_CODE_NO_HEARTBEAT = 12, /* no heartbeat */
-    CAN_CODE_JUMPED = 13        /* further than it can have moved: its encoder lost count */
+    CAN_CODE_JUMPED = 13,       /* further than it can have moved: its encoder lost count */
+    CAN_CODE_HOT = 14           /* a motor is as hot as it may be */
 };
 #define CAN_CODE(kind, node) (0xca000000u | (uint32_t)(node) << 8 | (uint32_t)(kind))
 #define CAN_CODE_BUS         0xff
@@ -43,13 +44,14 @@ enum {
 /* A torque that was sent and has not come back yet. */
 struct can_sent {
     uint64_t time_ns;      /* when it was sent */
-    uint32_t bits;         /* of the float */
+    uint32_t frame;        /* a number made of its id and data */
     uint32_t is_overtaken; /* 1: a later torque came back first */
 };
 
 struct can_node {
-    uint8_t node, generation;  /* its number; ODRIVE_0_5 or ODRIVE_0_6, ODRIVE_ANY: not known yet */
-    uint8_t proven_generation; /* what a heartbeat or an answer proved; ODRIVE_ANY: nothing */
+    const struct drive_node *end; /* how it is reached; of the arm */
+    uint8_t node, generation;     /* its number; of an ODrive ODRIVE_0_5 or ODRIVE_0_6, ODRIVE_ANY: not known yet */
+    uint8_t proven_generation;    /* what a heartbeat or an answer proved; ODRIVE_ANY: nothing */
     uint8_t has_heartbeat, has_estimate, is_fresh, is_duplicate;
     struct odrive_heartbeat heartbeat;
     uint64_t errors[ODRIVE_ERROR_WORDS];
@@ -64,13 +66,23 @@ struct can_node {
     uint32_t frames;
     uint64_t first_ns;              /* when the first estimate since can_monitor_restart_counts came */
     uint32_t estimates, heartbeats; /* number of them since then */
+    /* Of a drive that answers each command, as its last status said; has_heartbeat: there was one. */
+    uint8_t is_on;
+    uint32_t fault;
+    float temperature;             /* degrees Celsius */
+    int32_t surplus;               /* answers beyond commands; two motors of one number answer twice */
+    uint8_t setup_at, setup_tries; /* which parameter is next, and how often it was asked for */
+    uint8_t is_refused;            /* 1: that parameter has a value that it must not have */
+    uint64_t setup_ns;             /* when it is to be asked for again */
+    uint32_t known_values;         /* bit k: the parameter k has come */
+    double value[DRIVE_PARAMETERS];
     uint32_t sent_count;
     struct can_sent sent[CAN_SENT_MAX]; /* the oldest first */
 };
 
 struct can_monitor {
     struct can_node nodes[DPT_JOINTS_MAX];
-    uint8_t index[ODRIVE_NODES]; /* by a node's number, its index in `nodes`; 0xff: none of ours */
+    uint8_t index[ODRIVE_NODES]; /* by an ODrive's number, its index in `nodes`; 0xff: none of ours */
     uint32_t count;
     uint64_t period_ns, heartbeat_period_ns, silent_ns;
     uint8_t is_armed; /* 1: all nodes are in closed loop, and whatever ends that is a fault */
@@ -100,8 +112,8 @@ void can_monitor_restart_counts(struct can_monitor *monitor);
 /* Process a frame that came: of a node of ours, or one of our own that comes back. Ignores all others. */
 void can_monitor_take(struct can_monitor *monitor, const struct can_message *message);
 
-/* Note that a torque, Nm, was sent to the node of this index. */
-void can_monitor_note_sent(struct can_monitor *monitor, uint32_t index, float torque, uint64_t now);
+/* Note that a frame of ours was sent: a torque is expected back from the bus, a command to be answered. */
+void can_monitor_note_sent(struct can_monitor *monitor, const struct can_message *frame, uint64_t now);
 
 /* Note that sending was attempted, whether or not anything was sent. */
 void can_monitor_note_attempt(struct can_monitor *monitor, uint64_t now);
@@ -118,8 +130,12 @@ void can_monitor_check(struct can_monitor *monitor, uint64_t now, int is_drained
  */
 void can_monitor_set_status(struct can_monitor *monitor, uint32_t status, uint32_t reasons, uint32_t code);
 
-/* 1 if the node's last heartbeat says closed loop and no error. */
+/* 1 if the node's last heartbeat or status says that its motor is on; and 1 if it also says that there is no error. */
+int can_node_is_on(const struct can_node *node);
 int can_node_is_active(const struct can_node *node);
+
+/* How hot the motors are whose limit is known: 0 is 20 degrees, 1 their limit; -1: none is known. */
+double can_monitor_temperature(const struct can_monitor *monitor);
 
 /* Write the node's state and errors, as in "node 3: IDLE, UNKNOWN_POSITION, motor DRV_FAULT". */
 void can_node_describe(const struct can_node *node, char *text, size_t size);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
+#include "can/can_setup.h"
 #include "clock.h"
 #include "settings.h"
 
@@ -15,24 +16,38 @@
 #define SWITCH_WITHIN (2000u * MS)
 #define RECEIVES      4
 
-void can_session_put(struct can_session *session, uint32_t index, struct odrive_message message)
+void can_session_put(struct can_session *session, uint32_t index, struct drive_message message)
 {
-    const struct can_node *node = &session->monitor.nodes[index];
-    message.node = node->node;
-    if (session->out_count < SOCKETCAN_BATCH &&
-        odrive_encode(&message, node->generation, &session->out[session->out_count]))
+    struct drive_node end = session->arm.ends[index];
+    end.generation = session->monitor.nodes[index].generation;
+    if (session->out_count < SOCKETCAN_BATCH && end.drive->encode(&end, &message, &session->out[session->out_count]))
         session->out_count++;
 }
 
-void can_session_put_all(struct can_session *session, struct odrive_message message)
+void can_session_put_all(struct can_session *session, struct drive_message message)
 {
     for (uint32_t i = 0; i < session->monitor.count; i++)
         can_session_put(session, i, message);
 }
 
-const struct odrive_message can_no_torque = { .command = ODRIVE_SET_TORQUE }, can_estop = { .command = ODRIVE_ESTOP },
-                            can_idle = { .command = ODRIVE_SET_STATE, .as.state = ODRIVE_STATE_IDLE },
-                            can_request_estimates = { .command = ODRIVE_ESTIMATES, .is_request = 1 };
+void can_session_put_reporters(struct can_session *session, struct drive_message message)
+{
+    for (uint32_t i = 0; i < session->monitor.count; i++)
+        if (!session->arm.ends[i].drive->answers)
+            can_session_put(session, i, message);
+}
+
+void can_session_put_odrive(struct can_session *session, uint32_t index, struct odrive_message message)
+{
+    const struct can_node *node = &session->monitor.nodes[index];
+    message.node = node->node;
+    if (session->out_count < SOCKETCAN_BATCH && node->end->drive == &odrive_drive &&
+        odrive_encode(&message, node->generation, &session->out[session->out_count]))
+        session->out_count++;
+}
+
+const struct drive_message can_no_torque = { .kind = DRIVE_TORQUE }, can_estop = { .kind = DRIVE_STOP },
+                           can_idle = { .kind = DRIVE_OFF }, can_ask = { .kind = DRIVE_ASK };
 
 int can_session_send(struct can_session *session)
 {
@@ -43,12 +58,8 @@ int can_session_send(struct can_session *session)
     const uint64_t now = clock_now();
     can_monitor_note_attempt(&session->monitor, now);
     const int sent = socketcan_send(&session->socketcan, session->out, count);
-    for (int i = 0; i < sent; i++) {
-        struct odrive_message message;
-        if (odrive_decode(&session->out[i], ODRIVE_ANY, &message) == ODRIVE_MESSAGE &&
-            message.command == ODRIVE_SET_TORQUE)
-            can_monitor_note_sent(&session->monitor, session->monitor.index[message.node], message.as.torque, now);
-    }
+    for (int i = 0; i < sent; i++)
+        can_monitor_note_sent(&session->monitor, &session->out[i], now);
     return sent == count;
 }
 
@@ -114,15 +125,18 @@ static const char *line_trouble(const struct can_session *session)
  */
 static dpt_result check_load(const struct can_session *session, dpt_device_error *error)
 {
-    const double bits = 135.0 + 95.0 + (session->settings.request != 0.0 ? 55.0 : 0.0);
-    const double needed = bits * session->settings.rate * session->arm.joints;
-    if (session->socketcan.bitrate == 0 || needed <= (double)session->socketcan.bitrate)
+    const struct socketcan *line = &session->socketcan;
+    const double load = line->bitrate
+                            ? drive_bus_load(session->arm.ends, session->arm.joints, session->settings.rate,
+                                             session->settings.request != 0.0, line->bitrate, line->data_bitrate)
+                            : 0.0;
+    if (load <= 1.0)
         return DPT_OK;
     return device_error(error, DPT_E_SETTING,
                         "%.20s has %u bit/s, and %u joints at %g Hz need up to %.0f: set a higher "
                         "bit rate (1000000) there and at the controllers, or a lower ?rate=",
-                        session->settings.interface, (unsigned)session->socketcan.bitrate,
-                        (unsigned)session->arm.joints, session->settings.rate, needed);
+                        session->settings.interface, (unsigned)line->bitrate, (unsigned)session->arm.joints,
+                        session->settings.rate, load * line->bitrate);
 }
 
 static dpt_result explain_silence(const struct can_session *session, dpt_device_error *error)
@@ -137,6 +151,9 @@ static dpt_result explain_silence(const struct can_session *session, dpt_device_
                             name);
     for (uint32_t i = 0; i < session->monitor.count; i++) {
         const struct can_node *node = &session->monitor.nodes[i];
+        if (node->end->drive->answers && !node->has_estimate)
+            return device_error(error, DPT_E_DEVICE, "%s %u on %.20s sends no status", node->end->drive->title,
+                                node->node, name);
         if (node->has_estimate && !node->has_heartbeat)
             return device_error(error, DPT_E_DEVICE,
                                 "node %u answers but has no heartbeat: set axis.config.can."
@@ -177,14 +194,18 @@ static dpt_result identify_nodes(struct can_session *session, dpt_device_error *
         for (uint32_t i = 0; i < session->monitor.count; i++) {
             struct can_node *node = &session->monitor.nodes[i];
             heard_ns[i] = node->has_heartbeat && !heard_ns[i] ? now : heard_ns[i];
+            if (node->end->drive->answers) {
+                identified++;
+                continue;
+            }
             find_generation(session, node, heard_ns[i]);
             identified += node->has_heartbeat && node->generation != ODRIVE_ANY;
             if (now < next)
                 continue;
             const struct odrive_message version = { .command = ODRIVE_VERSION, .is_request = 1 };
             if (node->proven_generation == ODRIVE_ANY)
-                can_session_put(session, i, version);
-            can_session_put(session, i, can_request_estimates);
+                can_session_put_odrive(session, i, version);
+            can_session_put(session, i, can_ask);
         }
         next = now >= next ? now + REQUEST_EVERY : next;
         can_session_send(session);
@@ -200,6 +221,8 @@ static dpt_result check_nodes(const struct can_session *session, uint32_t reques
     const double rate = session->settings.rate;
     for (uint32_t i = 0; i < session->monitor.count; i++) {
         const struct can_node *node = &session->monitor.nodes[i];
+        if (node->end->drive->answers)
+            continue;
         if (node->proven_generation != ODRIVE_ANY && node->proven_generation != node->generation)
             return device_error(error, DPT_E_PROTOCOL, "node %u has firmware 0.%u: leave ?firmware= away", node->node,
                                 node->proven_generation);
@@ -258,6 +281,8 @@ static dpt_result measure_rates(struct can_session *session, dpt_device_error *e
         max_seconds(0.3, max_seconds(3.2 * session->settings.heartbeat, 30.0 / session->settings.rate));
     const struct odrive_message address = { .command = ODRIVE_ADDRESS, .is_request = 1 };
     uint32_t requests = 0;
+    if (!can_arm_has_reporters(&session->arm))
+        return DPT_OK;
     can_session_receive(session);
     can_monitor_restart_counts(&session->monitor);
     session->monitor.foreign_orders = 0;
@@ -265,12 +290,12 @@ static dpt_result measure_rates(struct can_session *session, dpt_device_error *e
     /* On 0.5 the same id would set the node's number, so the setting `firmware` is not proof enough. */
     for (uint32_t i = 0; i < session->monitor.count; i++)
         if (session->monitor.nodes[i].proven_generation == ODRIVE_0_6)
-            can_session_put(session, i, address);
+            can_session_put_odrive(session, i, address);
     can_session_send(session);
     const uint64_t deadline = session->requested_ns + (uint64_t)(1e9 * seconds);
     for (uint64_t now; (now = clock_now()) < deadline && !can_session_is_dead(session);) {
         if (session->settings.request != 0.0) {
-            can_session_put_all(session, can_request_estimates);
+            can_session_put_reporters(session, can_ask);
             requests += can_session_send(session) != 0;
         }
         can_session_wait(session, now + session->monitor.period_ns);
@@ -293,15 +318,14 @@ static dpt_result explain_not_active(const struct can_session *session, dpt_devi
 
 dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *error)
 {
-    const struct odrive_message clear = { .command = ODRIVE_CLEAR_ERRORS },
-                                mode = { .command = ODRIVE_SET_MODE,
-                                         .as.mode = { ODRIVE_CONTROL_TORQUE, ODRIVE_INPUT_PASSTHROUGH } },
-                                loop = { .command = ODRIVE_SET_STATE, .as.state = ODRIVE_STATE_CLOSED_LOOP };
+    const struct drive_message clear = { .kind = DRIVE_CLEAR }, mode = { .kind = DRIVE_MODE },
+                               loop = { .kind = DRIVE_ON };
     struct can_monitor *monitor = &session->monitor;
+    monitor->failed_nodes = 0;
+    DPT_TRY(can_setup_motors(session, error));
     const uint64_t start = clock_now(), deadline = start + SWITCH_WITHIN;
     uint64_t next[DPT_JOINTS_MAX], now = start;
     uint32_t active = 0;
-    monitor->failed_nodes = 0;
     for (uint32_t i = 0; i < monitor->count; i++) {
         next[i] = start;
         monitor->nodes[i].has_heartbeat = monitor->nodes[i].is_fresh = 0;
@@ -321,7 +345,7 @@ dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *
             can_session_put(session, i, clear);
             can_session_put(session, i, mode);
             /* Do not interrupt a calibration or a search; it may end in time. */
-            if (!node->has_heartbeat || node->heartbeat.state <= ODRIVE_STATE_IDLE)
+            if (node->end->drive->answers || !node->has_heartbeat || node->heartbeat.state <= ODRIVE_STATE_IDLE)
                 can_session_put(session, i, loop);
             if (can_session_send(session))
                 next[i] = now + SWITCH_EVERY;
@@ -347,7 +371,7 @@ dpt_result can_session_first_sample(struct can_session *session, dpt_device_erro
     const uint64_t deadline = clock_now() + session->monitor.silent_ns + 20 * MS;
     while (!session->monitor.sample_ns && clock_now() < deadline && !can_session_is_dead(session)) {
         if (session->settings.request != 0.0)
-            can_session_put_all(session, can_request_estimates);
+            can_session_put_reporters(session, can_ask);
         can_session_put_all(session, can_no_torque);
         can_session_send(session);
         can_session_wait(session, clock_now() + FEED_EVERY);
@@ -372,10 +396,10 @@ static dpt_result connect_nodes(struct can_session *session, dpt_device_error *e
 
 dpt_result can_session_connect(struct can_session *session, dpt_device_error *error)
 {
-    uint64_t nodes = 0;
-    for (uint32_t i = 0; i < session->arm.joints; i++)
-        nodes |= (uint64_t)1 << session->arm.nodes[i];
-    DPT_TRY(socketcan_open(&session->socketcan, session->settings.interface, nodes, error));
+    struct can_wanted wanted[DPT_JOINTS_MAX * DRIVE_WANTED];
+    const int count = can_arm_wanted(&session->arm, wanted);
+    DPT_TRY(socketcan_open(&session->socketcan, session->settings.interface, wanted, count,
+                           can_arm_is_fd(&session->arm), error));
     const dpt_device_counts counts = session->monitor.counts;
     can_monitor_forget(&session->monitor);
     session->dropped = 0;

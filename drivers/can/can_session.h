@@ -22,11 +22,15 @@ struct can_session {
     struct can_message in[SOCKETCAN_BATCH];  /* of the last receive */
 };
 
-extern const struct odrive_message can_no_torque, can_estop, can_idle, can_request_estimates;
+extern const struct drive_message can_no_torque, can_estop, can_idle, can_ask;
 
-/* Queue a message to the node of this index (that of its joint), or to all nodes. The node's number is filled in. */
-void can_session_put(struct can_session *session, uint32_t index, struct odrive_message message);
-void can_session_put_all(struct can_session *session, struct odrive_message message);
+/* Queue a message to the node of this index (that of its joint); to all nodes; to those that report by themselves. */
+void can_session_put(struct can_session *session, uint32_t index, struct drive_message message);
+void can_session_put_all(struct can_session *session, struct drive_message message);
+void can_session_put_reporters(struct can_session *session, struct drive_message message);
+
+/* Queue a message of ODrive's, if the node is one. Its number is filled in. */
+void can_session_put_odrive(struct can_session *session, uint32_t index, struct odrive_message message);
 
 /* Send the queue, in one system call, and empty it. Returns 1 if all was sent. Notes sent torques for confirmation. */
 int can_session_send(struct can_session *session);
@@ -50,8 +54,9 @@ void can_session_wait(struct can_session *session, uint64_t deadline);
 dpt_result can_session_connect(struct can_session *session, dpt_device_error *error);
 
 /*
- * Switch the motors on: clear errors, set torque control and closed loop, and wait until each node's heartbeat confirms
- * it. Blocks for two seconds at most. After a failure it has sent idle to all.
+ * Switch the motors on: set their watchdogs and other parameters and read them back (can_setup.h), clear errors, set torque
+ * control and closed loop, and wait until each node's heartbeat or status confirms it. Blocks for two seconds at most, and for
+ * the setting `answer`. After a failure it has sent idle to all.
  */
 dpt_result can_session_switch_on(struct can_session *session, dpt_device_error *error);
 

@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "can/drive.h"
 #include "dynpoint/device.h"
 
 enum { TO_CONTROLLER = 1, TO_HOST = 2, ONLY_0_5 = 4, ONLY_0_6 = 8 };
@@ -99,7 +100,7 @@ int odrive_encode(const struct odrive_message *message, unsigned generation, str
     memset(frame, 0, sizeof *frame);
     if (message->node >= ODRIVE_NODES || message->command >= 32 || !has_command(message->command, generation))
         return 0;
-    frame->id = (uint16_t)(message->node << 5 | message->command);
+    frame->id = (uint32_t)message->node << 5 | message->command;
     if (message->is_request) {
         frame->flags = CAN_MESSAGE_REMOTE;
         return (commands[message->command].flags & TO_HOST) != 0;
@@ -155,7 +156,8 @@ int odrive_decode(const struct can_message *frame, unsigned generation, struct o
     message->node = (uint8_t)(frame->id >> 5 & (ODRIVE_NODES - 1));
     message->command = (uint8_t)(frame->id & 31);
     message->is_request = (frame->flags & CAN_MESSAGE_REMOTE) != 0;
-    if (frame->id >= ODRIVE_NODES << 5 || !has_command(message->command, generation))
+    if (frame->flags & (CAN_MESSAGE_EXTENDED | CAN_MESSAGE_FD) || frame->id >= ODRIVE_NODES << 5 ||
+        !has_command(message->command, generation))
         return ODRIVE_OTHER;
     if (message->is_request)
         return ODRIVE_MESSAGE;
@@ -332,3 +334,53 @@ const char *odrive_state_name(unsigned state)
     };
     return state < sizeof names / sizeof *names ? names[state] : "unknown";
 }
+
+static int encode_order(const struct drive_node *node, const struct drive_message *order, struct can_message *frame)
+{
+    struct odrive_message message = { .node = (uint8_t)node->number };
+    switch (order->kind) {
+    case DRIVE_TORQUE:
+        message.command = ODRIVE_SET_TORQUE;
+        message.as.torque = order->as.command.torque;
+        break;
+    case DRIVE_MODE:
+        message.command = ODRIVE_SET_MODE;
+        message.as.mode.control = ODRIVE_CONTROL_TORQUE;
+        message.as.mode.input = ODRIVE_INPUT_PASSTHROUGH;
+        break;
+    case DRIVE_ON:
+    case DRIVE_OFF:
+        message.command = ODRIVE_SET_STATE;
+        message.as.state = order->kind == DRIVE_ON ? ODRIVE_STATE_CLOSED_LOOP : ODRIVE_STATE_IDLE;
+        break;
+    case DRIVE_STOP:
+        message.command = ODRIVE_ESTOP;
+        break;
+    case DRIVE_CLEAR:
+        message.command = ODRIVE_CLEAR_ERRORS;
+        break;
+    case DRIVE_ASK:
+        message.command = ODRIVE_ESTIMATES;
+        message.is_request = 1;
+        break;
+    default:
+        return 0;
+    }
+    return odrive_encode(&message, node->generation, frame);
+}
+
+static int wanted(const struct drive_node *node, struct can_wanted *out)
+{
+    out[0] = (struct can_wanted){ .id = (uint32_t)node->number << 5, .mask = 0x7ffu & ~31u };
+    return 1;
+}
+
+const struct can_drive odrive_drive = {
+    .name = "odrive",
+    .title = "ODrive",
+    .number_max = ODRIVE_NODES - 1,
+    .command_bits = 95,
+    .answer_bits = 135,
+    .encode = encode_order,
+    .wanted = wanted,
+};

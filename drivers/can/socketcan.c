@@ -54,27 +54,27 @@ static dpt_result explain_error(const char *name, int reason, dpt_device_error *
     }
 }
 
-static int set_options(int fd, uint64_t nodes)
+static int set_options(int fd, const struct can_wanted *wanted, int count, int is_fd)
 {
-    struct can_filter filters[64];
-    socklen_t count = 0;
-    for (uint32_t node = 0; node < 64; node++)
-        if (nodes >> node & 1) {
-            filters[count].can_id = node << 5;
-            filters[count++].can_mask = CAN_EFF_FLAG | (CAN_SFF_MASK & ~31u);
-        }
+    struct can_filter filters[SOCKETCAN_WANTED];
+    for (int i = 0; i < count; i++) {
+        filters[i].can_id = wanted[i].id | (wanted[i].is_extended ? CAN_EFF_FLAG : 0);
+        filters[i].can_mask = wanted[i].mask | CAN_EFF_FLAG;
+    }
     const can_err_mask_t errors = CAN_ERR_MASK;
     const int on = 1, bytes = RECEIVE_BUFFER_BYTES;
     /* The larger buffer is optional; the other options are required. */
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
-    return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters, count * (socklen_t)sizeof *filters) ||
+    return setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters, (socklen_t)count * (socklen_t)sizeof *filters) ||
            setsockopt(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) ||
            setsockopt(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &on, sizeof on) ||
+           (is_fd && setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &on, sizeof on)) ||
            setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on) ||
            setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
 }
 
-static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, uint64_t nodes, dpt_device_error *error)
+static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, const struct can_wanted *wanted,
+                         int count, int is_fd, dpt_device_error *error)
 {
     struct ifreq request;
     struct sockaddr_can address;
@@ -93,7 +93,13 @@ static dpt_result attach(struct socketcan *socketcan, int fd, const char *name, 
         return explain_error(name, errno, error);
     if (!(request.ifr_flags & IFF_UP))
         return explain_error(name, ENETDOWN, error);
-    if (set_options(fd, nodes) || bind(fd, (const struct sockaddr *)&address, sizeof address))
+    if (is_fd && (ioctl(fd, SIOCGIFMTU, &request) || request.ifr_mtu < (int)CANFD_MTU))
+        return device_error(
+            error, DPT_E_DEVICE,
+            "%.20s has no CAN-FD, which moteus needs: sudo ip link set %.20s up type can bitrate 1000000 "
+            "dbitrate 5000000 fd on (vcan: mtu 72)",
+            name, name);
+    if (set_options(fd, wanted, count, is_fd) || bind(fd, (const struct sockaddr *)&address, sizeof address))
         return explain_error(name, errno, error);
     return DPT_OK;
 }
@@ -115,7 +121,7 @@ static void note_failure(struct socketcan *socketcan, int reason)
     }
 }
 
-static void take_error_frame(struct socketcan *socketcan, const struct can_frame *frame)
+static void take_error_frame(struct socketcan *socketcan, const struct canfd_frame *frame)
 {
     if (frame->can_id & CAN_ERR_RESTARTED)
         socketcan->is_bus_off = socketcan->is_error_passive = 0;
@@ -178,6 +184,11 @@ static void take_link_state(struct socketcan *socketcan, const struct nlmsghdr *
         memcpy(&bits, RTA_DATA(timing), sizeof bits);
         socketcan->bitrate = bits.bitrate;
     }
+    const struct rtattr *data_timing = within_attribute(data, IFLA_CAN_DATA_BITTIMING);
+    if (data_timing && RTA_PAYLOAD(data_timing) >= sizeof bits) {
+        memcpy(&bits, RTA_DATA(data_timing), sizeof bits);
+        socketcan->data_bitrate = bits.bitrate;
+    }
 }
 
 void socketcan_query(struct socketcan *socketcan)
@@ -207,7 +218,8 @@ void socketcan_query(struct socketcan *socketcan)
     close(fd);
 }
 
-dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes, dpt_device_error *error)
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, const struct can_wanted *wanted, int count,
+                          int is_fd, dpt_device_error *error)
 {
     memset(socketcan, 0, sizeof *socketcan);
     socketcan->fd = -1;
@@ -216,7 +228,7 @@ dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_
     const int fd = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
     if (fd < 0)
         return explain_error(name, errno, error);
-    const dpt_result result = attach(socketcan, fd, name, nodes, error);
+    const dpt_result result = attach(socketcan, fd, name, wanted, count, is_fd, error);
     if (result == DPT_OK) {
         socketcan->fd = fd;
         socketcan_query(socketcan);
@@ -256,7 +268,7 @@ static uint64_t read_control(struct socketcan *socketcan, struct msghdr *header,
 
 int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
 {
-    struct can_frame frames[SOCKETCAN_BATCH];
+    struct canfd_frame frames[SOCKETCAN_BATCH];
     struct iovec parts[SOCKETCAN_BATCH];
     struct mmsghdr headers[SOCKETCAN_BATCH];
     uint64_t controls[SOCKETCAN_BATCH][CONTROL_WORDS];
@@ -281,9 +293,11 @@ int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
     const uint64_t wall = clock_wall(), now = clock_now();
     int received = 0;
     for (int i = 0; i < count; i++) {
-        const struct can_frame *frame = &frames[i];
+        /* A classic frame begins like one of CAN-FD. */
+        const struct canfd_frame *frame = &frames[i];
+        const int is_fd = headers[i].msg_len == CANFD_MTU;
         const uint64_t time = read_control(socketcan, &headers[i].msg_hdr, now, wall);
-        if (headers[i].msg_len != sizeof *frame || frame->can_dlc > 8)
+        if ((!is_fd && headers[i].msg_len != CAN_MTU) || frame->len > (is_fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN))
             continue;
         if (frame->can_id & CAN_ERR_FLAG) {
             take_error_frame(socketcan, frame);
@@ -291,18 +305,21 @@ int socketcan_receive(struct socketcan *socketcan, struct can_message *messages)
         }
         struct can_message *message = &messages[received++];
         message->time_ns = time;
-        message->id = (uint16_t)(frame->can_id & CAN_SFF_MASK);
-        message->size = frame->can_dlc;
+        const int is_extended = (frame->can_id & CAN_EFF_FLAG) != 0;
+        message->id = frame->can_id & (is_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+        message->size = frame->len;
         message->flags = (uint8_t)((frame->can_id & CAN_RTR_FLAG ? CAN_MESSAGE_REMOTE : 0) |
-                                   (headers[i].msg_hdr.msg_flags & MSG_CONFIRM ? CAN_MESSAGE_OWN : 0));
-        memcpy(message->data, frame->data, 8);
+                                   (headers[i].msg_hdr.msg_flags & MSG_CONFIRM ? CAN_MESSAGE_OWN : 0) |
+                                   (is_extended ? CAN_MESSAGE_EXTENDED : 0) | (is_fd ? CAN_MESSAGE_FD : 0));
+        memset(message->data, 0, sizeof message->data);
+        memcpy(message->data, frame->data, is_fd ? CANFD_MAX_DLEN : CAN_MAX_DLEN);
     }
     return received;
 }
 
 int socketcan_send(struct socketcan *socketcan, const struct can_message *messages, int count)
 {
-    struct can_frame frames[SOCKETCAN_BATCH];
+    struct canfd_frame frames[SOCKETCAN_BATCH];
     struct iovec parts[SOCKETCAN_BATCH];
     struct mmsghdr headers[SOCKETCAN_BATCH];
     if (socketcan->fd < 0 || socketcan->is_gone || count <= 0)
@@ -310,11 +327,14 @@ int socketcan_send(struct socketcan *socketcan, const struct can_message *messag
     memset(headers, 0, sizeof headers);
     memset(frames, 0, sizeof frames);
     for (int i = 0; i < count; i++) {
-        frames[i].can_id = messages[i].id | (messages[i].flags & CAN_MESSAGE_REMOTE ? CAN_RTR_FLAG : 0);
-        frames[i].can_dlc = messages[i].size;
-        memcpy(frames[i].data, messages[i].data, 8);
+        const int is_fd = (messages[i].flags & CAN_MESSAGE_FD) != 0;
+        frames[i].can_id = messages[i].id | (messages[i].flags & CAN_MESSAGE_REMOTE ? CAN_RTR_FLAG : 0) |
+                           (messages[i].flags & CAN_MESSAGE_EXTENDED ? CAN_EFF_FLAG : 0);
+        frames[i].len = messages[i].size;
+        frames[i].flags = is_fd ? CANFD_BRS : 0;
+        memcpy(frames[i].data, messages[i].data, sizeof frames[i].data);
         parts[i].iov_base = &frames[i];
-        parts[i].iov_len = sizeof frames[i];
+        parts[i].iov_len = is_fd ? CANFD_MTU : CAN_MTU;
         headers[i].msg_hdr.msg_iov = &parts[i];
         headers[i].msg_hdr.msg_iovlen = 1;
     }
@@ -359,9 +379,10 @@ void socketcan_find(void (*found)(void *user, const char *name, const char *abou
 
 #else
 
-dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes, dpt_device_error *error)
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, const struct can_wanted *wanted, int count,
+                          int is_fd, dpt_device_error *error)
 {
-    (void)name, (void)nodes;
+    (void)name, (void)wanted, (void)count, (void)is_fd;
     socketcan->fd = -1;
     return device_error(error, DPT_E_ABSENT, "SocketCAN is a part of Linux alone");
 }

@@ -14,12 +14,14 @@
 #include "can/can_message.h"
 #include "dynpoint/device.h"
 
-#define SOCKETCAN_BATCH 64
+#define SOCKETCAN_BATCH  64
+#define SOCKETCAN_WANTED 64
 
 struct socketcan {
     int fd;
     int index;                /* of the interface */
     uint32_t bitrate;         /* bit/s; 0: unknown, or none, as for vcan */
+    uint32_t data_bitrate;    /* of the data of CAN-FD; 0: unknown, or none */
     uint8_t is_drained;       /* the last receive took all that had come */
     uint8_t is_down;          /* the interface was set down; stays set, open it again */
     uint8_t is_gone;          /* the interface was removed; stays set, open it again */
@@ -30,12 +32,14 @@ struct socketcan {
 };
 
 /*
- * Open the interface `name`, as "can0", for error frames and for frames of some nodes.
- *   nodes   bit k: receive frames of node k, whose ids are k << 5 to (k << 5) + 31
+ * Open the interface `name`, as "can0", for error frames and for the frames that are wanted.
+ *   count   of `wanted`, at most SOCKETCAN_WANTED
+ *   is_fd   1: frames of CAN-FD are sent and received, too. DPT_E_DEVICE if the interface has none
  *
  * After a failure fd is -1 and `error` says what to do.
  */
-dpt_result socketcan_open(struct socketcan *socketcan, const char *name, uint64_t nodes, dpt_device_error *error);
+dpt_result socketcan_open(struct socketcan *socketcan, const char *name, const struct can_wanted *wanted, int count,
+                          int is_fd, dpt_device_error *error);
 
 /*
  * Query the interface's state and bit rate from the kernel by rtnetlink. This finds what error frames did not tell

@@ -264,13 +264,13 @@ back_ends=$(sed -n 's/^BACK_ENDS := //p' Makefile)
 foreign=0 choices=1
 for name in $back_ends; do
     choices=$((choices * 2))
-    grep -rl "^#include \"$name/" drivers tools | grep -v -e "^drivers/$name/" -e "^tools/simulate/simulate_$name\." && foreign=1
+    grep -rl "^#include \"$name/" drivers tools | grep -v -e "^drivers/$name/" -e "^tools/simulate/simulate_$name[._]" && foreign=1
 done
 verdict $foreign "a back end's headers are included by itself and by its end in tools/simulate only"
 mkdir -p "$scratch/hidden/linux"
-echo '#error "not outside of drivers/can and tools/simulate/simulate_can.c"' >"$scratch/hidden/linux/can.h"
+echo '#error "not outside of drivers/can and tools/simulate/simulate_can*.c"' >"$scratch/hidden/linux/can.h"
 hidden=0
-for source in $(set -f; find src drivers tools -name '*.c' ! -path 'src/bindings/*' $optional ! -path 'drivers/can/*' ! -path tools/simulate/simulate_can.c ! -path src/scene/json_value.c); do
+for source in $(set -f; find src drivers tools -name '*.c' ! -path 'src/bindings/*' $optional ! -path 'drivers/can/*' ! -path "tools/simulate/simulate_can*.c" ! -path src/scene/json_value.c); do
     ${CC:-cc} -std=gnu99 -I"$scratch/hidden" -Iinclude -Isrc -Idrivers -Itools -I"$build" -E "$source" >"$scratch/preprocessed" || hidden=1
 done
 verdict $hidden "no source but those of CAN needs linux/can.h"

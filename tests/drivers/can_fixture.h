@@ -18,7 +18,7 @@ static dpt_device *device;
 static dpt_device_error error;
 static dpt_device_state state;
 static dpt_device_counts counts;
-static char elbow_path[64];
+static char elbow_path[64] __attribute__((unused));
 
 static inline const char *interface(void)
 {
@@ -158,6 +158,12 @@ static inline void refused(dpt_result result, dpt_result code, const char *word)
 
 /* Someone else on the bus, with a socket of their own. */
 static struct socketcan stranger;
+
+static inline void open_stranger(void)
+{
+    static const struct can_wanted all[] = { { .id = 0 }, { .id = 0, .is_extended = 1 } };
+    CHECK(socketcan_open(&stranger, interface(), all, 2, 1, NULL) == DPT_OK, "no second socket");
+}
 
 static inline void someone_says(uint8_t node, uint8_t command, float torque)
 {

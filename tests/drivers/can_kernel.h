@@ -34,15 +34,17 @@
 enum { CAN_SOCKETS = 8, CAN_QUEUE = 1024, CAN_HELD = 4096, CAN_FD = 4000, CAN_TICKS = 1024 };
 enum { CAN_PASS = 0, CAN_DROP = -1 };
 
+/* A classic frame begins like one of CAN-FD; `size` tells which it is. */
 struct stand_in_frame {
-    struct can_frame frame;
+    struct canfd_frame frame;
+    size_t size;
     int flags;
     uint32_t dropped;
     uint64_t wall_ns;
 };
 
 struct stand_in {
-    int is_open, is_bound, wants_own, wants_drops, wants_times;
+    int is_open, is_bound, wants_own, wants_drops, wants_times, wants_fd;
     can_err_mask_t errors;
     struct can_filter filters[64];
     size_t filter_count, count;
@@ -58,7 +60,7 @@ static uint64_t can_ticks, can_began_ns[CAN_TICKS]; /* of simulated milliseconds
 static void (*can_each_ms)(void);
 static int (*can_fate)(int fd, const struct can_frame *frame); /* CAN_PASS, CAN_DROP, ms to hold */
 static size_t can_room = 278;                                  /* of a queue, as vcan's with the usual buffer */
-static int can_is_down, can_is_gone, can_is_full, can_is_ethernet, can_no_family;
+static int can_is_down, can_is_gone, can_is_full, can_is_ethernet, can_is_classic, can_no_family;
 static int can_spared = -1; /* the socket whose end of the bus is sound whatever the above say */
 static void (*can_carried)(int fd, const struct can_frame *frame); /* told of what is on the bus */
 static int can_held_open;                                          /* sockets and files that are open */
@@ -69,7 +71,8 @@ static int can_watched, can_calls, can_fail_at, can_fail_errno;
 static struct {
     int fd;
     uint64_t due_ns;
-    struct can_frame frame;
+    size_t size;
+    struct canfd_frame frame;
 } can_held[CAN_HELD];
 static size_t can_holding;
 
@@ -142,32 +145,34 @@ static int is_wanted(const struct stand_in *to, const struct can_frame *frame)
 }
 
 /* A frame is on the bus: all sockets get it, the sender its own as a confirmation. */
-static void bus_carries(const struct stand_in *from, const struct can_frame *frame)
+static void bus_carries(const struct stand_in *from, const struct can_frame *frame, size_t size)
 {
     for (struct stand_in *to = can_socket_of; to < can_socket_of + CAN_SOCKETS; to++) {
-        if (!to->is_bound || !is_wanted(to, frame) || (to == from && !to->wants_own))
+        if (!to->is_bound || !is_wanted(to, frame) || (to == from && !to->wants_own) ||
+            (size == CANFD_MTU && !to->wants_fd))
             continue;
         if (to->count >= can_room) {
             to->dropped++;
             continue;
         }
-        const struct stand_in_frame arrived = { .frame = *frame,
+        struct stand_in_frame arrived = { .size = size,
                                                 .flags = MSG_DONTROUTE | (to == from ? MSG_CONFIRM : 0),
                                                 .dropped = to->dropped,
                                                 .wall_ns = can_clock_ns + can_wall_ns };
+        memcpy(&arrived.frame, frame, size);
         to->queue[to->count++] = arrived;
     }
 }
 
-static int put_on_bus(int fd, const struct can_frame *frame)
+static int put_on_bus(int fd, const struct can_frame *frame, size_t size)
 {
     if (can_carried)
         can_carried(fd, frame);
     if (stand_in_of(fd)) {
-        bus_carries(stand_in_of(fd), frame);
+        bus_carries(stand_in_of(fd), frame, size);
         return 0;
     }
-    struct iovec part = { (void *)(uintptr_t)frame, sizeof *frame };
+    struct iovec part = { (void *)(uintptr_t)frame, size };
     struct mmsghdr header = { .msg_hdr = { .msg_iov = &part, .msg_iovlen = 1 } };
     return __real_sendmmsg(fd, &header, 1, MSG_DONTWAIT) == 1 ? 0 : -1;
 }
@@ -184,7 +189,7 @@ static void can_tick(void)
     can_began_ns[can_ticks % CAN_TICKS] = (uint64_t)began.tv_sec * 1000000000u + (uint64_t)began.tv_nsec;
     for (size_t i = 0; i < can_holding; i++)
         if (can_held[i].due_ns <= can_clock_ns) {
-            put_on_bus(can_held[i].fd, &can_held[i].frame);
+            put_on_bus(can_held[i].fd, (const struct can_frame *)&can_held[i].frame, can_held[i].size);
             can_holding--;
             memmove(&can_held[i], &can_held[i + 1], (can_holding - i) * sizeof can_held[0]);
             i--;
@@ -254,6 +259,7 @@ int __wrap_setsockopt(int fd, int level, int name, const void *value, socklen_t 
     } else {
         int on;
         memcpy(&on, value, sizeof on);
+        to->wants_fd |= level == SOL_CAN_RAW && name == CAN_RAW_FD_FRAMES && on;
         to->wants_own |= level == SOL_CAN_RAW && name == CAN_RAW_RECV_OWN_MSGS && on;
         to->wants_drops |= level == SOL_SOCKET && name == SO_RXQ_OVFL && on;
         to->wants_times |= level == SOL_SOCKET && name == SO_TIMESTAMPNS && on;
@@ -280,6 +286,8 @@ int __wrap_ioctl(int fd, unsigned long request, ...)
         asked->ifr_hwaddr.sa_family = can_is_ethernet ? ARPHRD_ETHER : ARPHRD_CAN;
     else if (request == SIOCGIFFLAGS)
         asked->ifr_flags = can_is_down ? 0 : IFF_UP;
+    else if (request == SIOCGIFMTU)
+        asked->ifr_mtu = can_is_classic ? (int)CAN_MTU : (int)CANFD_MTU;
     return can_answer(0);
 }
 
@@ -304,8 +312,8 @@ static void fill(const struct stand_in *from, const struct stand_in_frame *arriv
     stamp.tv_sec = (time_t)(arrived->wall_ns / 1000000000u);
     stamp.tv_nsec = (long)(arrived->wall_ns % 1000000000u);
     size_t used = 0;
-    memcpy(header->msg_hdr.msg_iov->iov_base, &arrived->frame, sizeof arrived->frame);
-    header->msg_len = sizeof arrived->frame;
+    memcpy(header->msg_hdr.msg_iov->iov_base, &arrived->frame, arrived->size);
+    header->msg_len = (unsigned)arrived->size;
     header->msg_hdr.msg_flags = arrived->flags;
     if (from->wants_times)
         put_control(&header->msg_hdr, SO_TIMESTAMPNS, &stamp, sizeof stamp, &used);
@@ -364,6 +372,7 @@ int __wrap_sendmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags)
         return -1;
     for (unsigned i = 0; i < count; i++) {
         const struct can_frame *frame = frame_of(&headers[i]);
+        const size_t size = headers[i].msg_hdr.msg_iov->iov_len;
         const int problem = !stand_in_of(fd) || fd == can_spared ? 0
                             : can_is_gone                        ? ENXIO
                             : can_is_down                        ? ENETDOWN
@@ -375,8 +384,9 @@ int __wrap_sendmmsg(int fd, struct mmsghdr *headers, unsigned count, int flags)
         if (fate > 0 && can_holding < CAN_HELD) {
             can_held[can_holding].fd = fd;
             can_held[can_holding].due_ns = can_clock_ns + (uint64_t)fate * 1000000u;
-            can_held[can_holding++].frame = *frame;
-        } else if (fate != CAN_DROP && put_on_bus(fd, frame)) {
+            can_held[can_holding].size = size;
+            memcpy(&can_held[can_holding++].frame, frame, size);
+        } else if (fate != CAN_DROP && put_on_bus(fd, frame, size)) {
             return i ? (int)i : -1;
         }
     }
@@ -420,7 +430,7 @@ size_t __wrap_fread(void *to, size_t size, size_t count, FILE *file)
 static inline void bus_has_error(uint32_t classes, uint8_t state)
 {
     const struct can_frame frame = { .can_id = CAN_ERR_FLAG | classes, .can_dlc = CAN_ERR_DLC, .data = { 0, state } };
-    bus_carries(NULL, &frame);
+    bus_carries(NULL, &frame, sizeof frame);
 }
 
 /* The interface was shut, or is gone: whoever listens is told so once. */

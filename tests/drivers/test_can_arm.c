@@ -62,7 +62,7 @@ static void open_and_tell(int ambiguous, const char *firmware, const char *seria
         const struct simulate_can_node *node = &simulated.node[k];
         CHECK(node->state == ODRIVE_STATE_CLOSED_LOOP && node->is_torque_mode && node->torque == 0.0f, "node %u: %u", k,
               node->state);
-        CHECK(node->node == simulated.arm.nodes[k], "a node has got another number");
+        CHECK(node->node == simulated.arm.ends[k].number, "a node has got another number");
     }
     samples_come_in_turn();
     pass_ms(3);

@@ -260,7 +260,7 @@ static void cure(const struct fault *fault, dpt_result code)
 static void provoke(const struct fault *fault)
 {
     start(elbow_path, ELBOW "&nodes=0,1,2&watchdog=0.025&firmware=0.6");
-    CHECK(socketcan_open(&stranger, interface(), 7, NULL) == DPT_OK, "no second socket");
+    open_stranger();
     CHECK(push_until_it_fails(50) > 50 && is_pushing(), "%s: it does not begin well", fault->name);
     fault->cause();
     const int after = push_until_it_fails(fault->within + 50);
@@ -485,7 +485,7 @@ static void nonsense_does_no_harm(void)
             frame.can_id = CAN_ERR_FLAG | (canid_t)(kind >> 32 & CAN_ERR_MASK);
         memcpy(frame.data, &data, 8);
         if (kind >> 26 & 1)
-            bus_carries(NULL, &frame);
+            bus_carries(NULL, &frame, sizeof frame);
         write_force(0.1, 0.2, 0.3);
         can_tick();
         dpt_device_read(device, &state);

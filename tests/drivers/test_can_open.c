@@ -120,7 +120,7 @@ static void nodes_are_checked(void)
     node->heartbeat_ticks = 1000;
     refused(open_at(where), DPT_E_DEVICE, "heartbeat less often");
     *node = sound;
-    CHECK(socketcan_open(&stranger, interface(), 7, NULL) == DPT_OK, "no second socket");
+    open_stranger();
     can_each_ms = each_ms_with_another_host;
     refused(open_at(where), DPT_E_DEVICE, "someone else");
     can_each_ms = each_ms_with_a_twin;

@@ -29,7 +29,7 @@ done
 scene=
 [ ! -x build/fuzz/tests/fuzz/fuzz_scene ] || scene=scene=2 # it needs jansson
 [ $# -gt 0 ] ||
-    set -- obj=17 stl=12 ply=18 off=11 tetgen=2 regions=2 trace=5 $scene mesh=10 forged=2 arm=4 wire=10 record=4 snapshot=3 request=1
+    set -- obj=17 stl=12 ply=18 off=11 tetgen=2 regions=2 trace=5 $scene mesh=10 forged=2 arm=4 wire=8 motor=2 record=4 snapshot=3 request=1
 
 # A piece of work is a target and a seed: so many that every core has some until the end.
 rm -f "$out"/log/*.run "$out"/log/*.merge "$out/log/found"
@@ -48,7 +48,7 @@ set -- $0
 all="$out/corpus/$2 tests/fuzz/corpus/$2"
 case $2 in obj | stl | ply | off) all="$all tests/golden-bad" ;; esac
 # The longer, the slower, and the less is new.
-case $2 in mesh | arm | snapshot) most=4096 ;; stl | record | scene) most=2048 ;; wire) most=512 ;; *) most=1024 ;; esac
+case $2 in mesh | arm | snapshot) most=4096 ;; stl | record | scene) most=2048 ;; wire | motor) most=512 ;; *) most=1024 ;; esac
 '
 search='
 case $1 in 8) config=fuzz ;; *) config=fuzz-fast ;; esac

@@ -41,7 +41,8 @@
     X(mesh, 10, 100)                                                                                                   \
     X(forged, 2, 2)                                                                                                    \
     X(arm, 4, 10)                                                                                                      \
-    X(wire, 10, 10)                                                                                                    \
+    X(wire, 8, 10)                                                                                                     \
+    X(motor, 2, 10)                                                                                                    \
     X(record, 4, 10)                                                                                                   \
     X(snapshot, 3, 20)                                                                                                 \
     X(request, 1, 20)

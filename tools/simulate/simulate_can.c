@@ -8,23 +8,31 @@
 #include "base/vec3.h"
 #include "settings.h"
 #include "simulate/sim_clock.h"
+#include "simulate/simulate_can_drive.h"
 
 #define RECEIVES 16
 #define PARTS    4
 
-static void send_message(struct simulate_can *simulated, const struct simulate_can_node *node,
-                         struct odrive_message message)
+void simulate_can_send(struct simulate_can *simulated, const struct simulate_can_node *node,
+                       const struct can_message *frame)
 {
-    message.node = node->node;
     for (uint32_t i = 0; i < node->copies && !node->is_mute; i++) {
         if (simulated->count == SOCKETCAN_BATCH) {
             const int sent = socketcan_send(&simulated->line, simulated->out, simulated->count);
             simulated->unsent += (uint64_t)(simulated->count - sent);
             simulated->count = 0;
         }
-        if (odrive_encode(&message, node->generation, &simulated->out[simulated->count]))
-            simulated->count++;
+        simulated->out[simulated->count++] = *frame;
     }
+}
+
+static void send_message(struct simulate_can *simulated, const struct simulate_can_node *node,
+                         struct odrive_message message)
+{
+    struct can_message frame;
+    message.node = node->node;
+    if (odrive_encode(&message, node->generation, &frame))
+        simulate_can_send(simulated, node, &frame);
 }
 
 static uint32_t watchdog_error(const struct simulate_can_node *node)
@@ -98,13 +106,28 @@ static void fail(struct simulate_can_node *node, uint32_t errors)
         node->state = ODRIVE_STATE_IDLE;
 }
 
+static int is_odrive(const struct simulate_can_node *node)
+{
+    return node->end->drive == &odrive_drive;
+}
+
 static void take_frame(struct simulate_can *simulated, const struct can_message *frame)
 {
     struct odrive_message message;
+    struct drive_message other;
     uint32_t index = 0;
-    while (index < simulated->arm.joints && simulated->node[index].node != frame->id >> 5)
-        index++;
-    if (index == simulated->arm.joints || frame->flags & CAN_MESSAGE_OWN)
+    if (frame->flags & CAN_MESSAGE_OWN)
+        return;
+    for (; index < simulated->arm.joints; index++) {
+        const struct drive_node *end = simulated->node[index].end;
+        if (is_odrive(&simulated->node[index]) && simulated->node[index].node == frame->id >> 5)
+            break;
+        if (!is_odrive(&simulated->node[index]) && end->drive->decode(end, frame, &other)) {
+            simulate_can_drive_take(simulated, index, &other);
+            return;
+        }
+    }
+    if (index == simulated->arm.joints)
         return;
     struct simulate_can_node *node = &simulated->node[index];
     node->heard_tick = simulated->ticks;
@@ -177,6 +200,12 @@ static void move_joints(struct simulate_can *simulated)
     }
 }
 
+static void expire(struct simulate_can_node *node)
+{
+    if (node->state == ODRIVE_STATE_CLOSED_LOOP)
+        simulate_can_drive_expire(node);
+}
+
 void simulate_can_tick(struct simulate_can *simulated)
 {
     struct can_message in[SOCKETCAN_BATCH];
@@ -193,7 +222,12 @@ void simulate_can_tick(struct simulate_can *simulated)
         struct simulate_can_node *node = &simulated->node[i];
         if (node->watchdog > 0.0 &&
             (double)(simulated->ticks - node->heard_tick) > node->watchdog * simulated->settings.rate)
-            fail(node, watchdog_error(node));
+            is_odrive(node) ? fail(node, watchdog_error(node)) : expire(node);
+        if (!is_odrive(node)) {
+            if (node->causes && node->errors != node->causes)
+                simulate_can_drive_fail(node, node->causes);
+            continue;
+        }
         if (node->causes & ~node->errors)
             fail(node, node->causes);
         if (node->motor_errors)
@@ -212,7 +246,7 @@ void simulate_can_tick(struct simulate_can *simulated)
 
 dpt_result simulate_can_start(struct simulate_can *simulated, const char *where, dpt_device_error *error)
 {
-    uint64_t nodes = 0;
+    struct can_wanted wanted[DPT_JOINTS_MAX * DRIVE_WANTED];
     memset(simulated, 0, sizeof *simulated);
     simulated->line.fd = -1;
     dpt_result result = can_settings_read(where, &simulated->settings, error);
@@ -222,7 +256,8 @@ dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
         return result;
     for (uint32_t i = 0; i < simulated->arm.joints; i++) {
         struct simulate_can_node *node = &simulated->node[i];
-        node->node = simulated->arm.nodes[i];
+        node->end = &simulated->arm.ends[i];
+        node->node = (uint8_t)simulated->arm.ends[i].number;
         node->generation = simulated->settings.firmware[2] == '5' ? ODRIVE_0_5 : ODRIVE_0_6;
         node->serial = 0x300000000000u + i;
         node->watchdog = simulated->settings.watchdog;
@@ -231,13 +266,16 @@ dpt_result simulate_can_start(struct simulate_can *simulated, const char *where,
         simulated->inertia[i] = simulated->arm.is_slider[i] ? 0.2 : 0.005;
         simulated->damping[i] = simulated->arm.is_slider[i] ? 1.0 : 0.02;
         simulated->joint[i] = simulated->arm.middle[i];
-        nodes |= (uint64_t)1 << node->node;
+        if (!is_odrive(node))
+            simulate_can_drive_start(node, &simulated->arm.ends[i]);
         simulate_can_reboot(node);
     }
     simulated->hand_stiffness = 150.0;
     simulated->hand_damping = 5.0;
     simulated->swing_period = 4.0;
-    result = socketcan_open(&simulated->line, simulated->settings.interface, nodes, error);
+    const int count = can_arm_wanted(&simulated->arm, wanted);
+    result = socketcan_open(&simulated->line, simulated->settings.interface, wanted, count,
+                            can_arm_is_fd(&simulated->arm), error);
     if (result != DPT_OK)
         can_arm_close(&simulated->arm);
     return result;
@@ -250,6 +288,8 @@ void simulate_can_reboot(struct simulate_can_node *node)
     node->is_torque_mode = 0;
     node->torque = 0.0f;
     node->copies = node->is_done = 1;
+    if (!is_odrive(node))
+        simulate_can_drive_reboot(node);
 }
 
 static void tick(void *user)

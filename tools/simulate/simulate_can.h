@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Simulated motor controllers: the nodes of an arm on a CAN interface, which answer like firmware 0.5 or 0.6, and a
- * mechanism between their motors and a hand that holds the tool. It takes the same name as the driver, so both have the
+ * Simulated motor controllers: the nodes of an arm on a CAN interface, ODrives of firmware 0.5 or 0.6 or motors of another
+ * drive (simulate_can_drive.h), and a mechanism between their motors and a hand that holds the tool. It takes the same name as the driver, so both have the
  * same arm, and the loop closes on one machine.
  *
  *     simulate_can_start(&simulated, "vcan0?arm=arm.dpa&gear=8,8,8", &error);
@@ -15,22 +15,28 @@
 #include "can/socketcan.h"
 
 struct simulate_can_node {
-    uint8_t node, generation, state;
-    uint8_t is_done;         /* a trajectory is done; on 0.5 this bit shows the firmware */
-    uint8_t is_torque_mode;  /* 1: torque control with direct input */
-    uint32_t errors;         /* of the axis */
-    uint32_t motor_errors;   /* 0.5 */
-    uint32_t causes;         /* errors that clearing does not end */
-    float torque;            /* of the motor, as set last, Nm; it acts in closed loop */
-    uint64_t torques;        /* number of torques received */
-    uint64_t heard_tick;     /* when the last frame to this node came */
-    uint64_t serial;         /* 0.6 */
-    double watchdog;         /* s, 0: none */
-    uint32_t estimate_ticks; /* between estimates; 0: only on request */
+    const struct drive_node *end; /* its drive, number and ranges */
+    uint8_t node, generation;     /* of an ODrive */
+    uint8_t state;                /* ODRIVE_STATE_IDLE or _CLOSED_LOOP; of other drives: off or on */
+    uint8_t is_done;              /* a trajectory is done; on 0.5 this bit shows the firmware */
+    uint8_t is_torque_mode;       /* 1: torque control with direct input */
+    uint32_t errors;              /* of the axis; of other drives: the fault */
+    uint32_t motor_errors;        /* 0.5 */
+    uint32_t causes;              /* errors that clearing does not end */
+    float torque;                 /* of the motor, as set last, Nm; it acts in closed loop */
+    uint64_t torques;             /* number of torques received */
+    uint64_t heard_tick;          /* when the last frame to this node came */
+    uint64_t serial;              /* 0.6 */
+    double watchdog;              /* s, 0: none */
+    uint32_t estimate_ticks;      /* between estimates; 0: only on request */
     uint32_t heartbeat_ticks;
     uint32_t copies;       /* nodes with this number; usually 1 */
     uint32_t extra_frames; /* sent in each tick, to babble */
     uint8_t is_mute;       /* 1: it sends nothing */
+    /* Of drives that answer. */
+    double value[DRIVE_PARAMETERS];
+    uint32_t refuses, lacks; /* bit k: it keeps the parameter k as it is; it does not tell it */
+    float temperature;       /* degrees Celsius */
 };
 
 struct simulate_can {
@@ -67,6 +73,10 @@ void simulate_can_run(struct simulate_can *simulated, const volatile int *stop);
 
 /* End, as if the controllers' power were cut. */
 void simulate_can_end(struct simulate_can *simulated);
+
+/* Queue a frame of this node, as often as it has copies. */
+void simulate_can_send(struct simulate_can *simulated, const struct simulate_can_node *node,
+                       const struct can_message *frame);
 
 /* Switch a controller off and on again. */
 void simulate_can_reboot(struct simulate_can_node *node);
