@@ -319,8 +319,9 @@ endif
 -include $(wildcard $(EXACT_TESTS:%=$(B)/tests/sweep/%.d) $(B)/tests/urdf/*.d $(B)/tests/*/*_sites.d $(B)/tests/bench/*.d \
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
-$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(B)/src/scene/host_file.o $(B)/src/scene/host_error.o $(TEXT) $(COMPILE) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
+$(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(B)/tools/cli/complete.o \
+  $(patsubst %,$(B)/src/scene/%.o,host_file host_error scene_list) $(DRIVER_PARTS) $(TEXT) $(COMPILE) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
