@@ -288,7 +288,7 @@ void meter_show(struct meter *meter, const char *what, double done)
         fprintf(stderr, "\r%*s\r", METER_LETTERS, "");
     if (done >= 1.0 || now - meter->began < 2 || !isatty(2))
         return;
-    char line[METER_LETTERS + 1], left[32] = "";
+    char line[80], left[32] = "";
     const double seconds = (double)(now - meter->began) * (1.0 - done) / (done > 0.0 ? done : 1.0);
     if (done >= 0.01 && seconds < 90.0)
         snprintf(left, sizeof left, ", %.0f s left", seconds);
