@@ -36,7 +36,8 @@ static double ahead_of(const struct tissue_solve *solve, const struct tissue_bod
     const int is_euler = body->step.springs->def.integrator == DPT_INTEGRATOR_EULER;
     uint32_t substeps = 1;
     for (uint32_t b = 0; b < solve->body_count; b++) {
-        const uint32_t own = dpti_springs_substeps_of(solve->bodies[b].step.springs, solve->step);
+        const struct dpt_springs *springs = solve->bodies[b].step.springs;
+        const uint32_t own = springs ? dpti_springs_substeps_of(springs, solve->step) : 1;
         substeps = own > substeps ? own : substeps;
     }
     return solve->step * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
@@ -50,7 +51,7 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
         search->body = &world->bodies[i];
         const struct tissue_body *solved = solved_body(solve, search->body);
         search->springs = solved ? solved->step.springs : NULL;
-        search->ahead = solved ? ahead_of(solve, solved) : 0.0;
+        search->ahead = search->springs ? ahead_of(solve, solved) : 0.0;
         if (body_is_there(search->body) && !is_solved == !solved)
             dpti_touches_gather(search, &solve->touches);
     }
@@ -271,7 +272,7 @@ int dpti_tissue_rests(const struct tissue_solve *solve, const struct dpt_world *
         world->bodies_moved_tick == world->ticks)
         return 0;
     for (uint32_t b = 0; b < solve->body_count; b++)
-        if (solve->bodies[b].step.springs->region.count)
+        if (!solve->bodies[b].step.springs || solve->bodies[b].step.springs->region.count)
             return 0;
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         const struct tool *tool = &world->tools[t];
