@@ -125,8 +125,8 @@ int dpti_loaded_step_neighbour(const struct loaded_step *step, uint32_t node, ui
 int dpti_loaded_step_go(struct loaded_step *step);
 
 /*
- * End the step, after all of its substeps: take the state that was reached, which may still be undone, and then keep it.
- * Or, at any time before, undo it: nothing has moved then.
+ * End the step, after all of its substeps: take the state that was reached, which may still be undone, and then keep it;
+ * both of springs alone (dpti_yield_keep). Or, at any time before, undo it: nothing has moved then.
  */
 void dpti_loaded_step_take(struct loaded_step *step);
 void dpti_loaded_step_keep(struct loaded_step *step);

@@ -108,8 +108,8 @@ double dpti_yield_compliance(const struct local_yield *yield, uint32_t vertex)
 }
 
 /*
- * How far vertices go, compared with what the change of their loads should do. Their motion is right for it, or more than that,
- * as it holds what goes on by itself: so it bounds a body that says too much. The change of their motion is little where all
+ * How far vertices go, compared with what the change of their loads should do. Their motion is right for it, or more than
+ * that, as it holds what goes on by itself: so it bounds a body that says too much. The change of their motion is little where all
  * goes smoothly, and right, or up to twice or half of that, where loads swing with the steps of physics: so it finds a body
  * that says too little, and that swings for it.
  */

@@ -423,8 +423,6 @@ int dpti_loaded_step_go(struct loaded_step *step)
 
 void dpti_loaded_step_take(struct loaded_step *step)
 {
-    if (step->yield)
-        return;
     if (!is_implicit(step) && !step->is_taken)
         dpti_explicit_take(&step->explicit);
     step->is_taken = 1;
@@ -433,10 +431,7 @@ void dpti_loaded_step_take(struct loaded_step *step)
 
 void dpti_loaded_step_keep(struct loaded_step *step)
 {
-    if (step->yield)
-        dpti_yield_keep(step->yield, step->dt);
-    else
-        dpti_region_settle(step->springs, step->dt);
+    dpti_region_settle(step->springs, step->dt);
 }
 
 /* The largest squared speed of a slice. */

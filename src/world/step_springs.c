@@ -157,12 +157,19 @@ static struct body *body_of(struct dpt_world *world, const struct tissue_body *o
     return world_find_body(world, of->body->id);
 }
 
-/* Take the state that a step has reached, if the body's vertices may be there. */
-static dpt_result take_step(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
+/* Take the state that a step of springs has reached, if the body's vertices may be there. */
+static dpt_result take_springs(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
 {
     dpti_loaded_step_take(step);
-    *moved = gather_vertices(step);
-    return dpti_deform_has_room(world, body, vertices_of(step), *moved) ? DPT_OK : DPT_E_FINITE;
+    *moved = dpti_spring_vertices_gather(step->springs);
+    return dpti_deform_has_room(world, body, &step->springs->vertices, *moved) ? DPT_OK : DPT_E_FINITE;
+}
+
+/* The same for a body whose physics is somebody else's. */
+static dpt_result take_yield(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
+{
+    *moved = dpti_yield_gather(step->yield);
+    return dpti_deform_has_room(world, body, &step->yield->moved, *moved) ? DPT_OK : DPT_E_FINITE;
 }
 
 static void write_info(const struct loaded_step *step, dpt_springs_info *info)
@@ -215,7 +222,8 @@ static int take_steps(struct tissue_solve *solve, struct dpt_world *world, int i
         if (step->has_failed)
             *result = DPT_E_FINITE;
         else if (is_done && *result == DPT_OK)
-            *result = take_step(world, body_of(world, &solve->bodies[b]), step, &moved[b]);
+            *result =
+                (step->yield ? take_yield : take_springs)(world, body_of(world, &solve->bodies[b]), step, &moved[b]);
         is_whole &= *result == DPT_OK;
     }
     return is_whole;
@@ -285,7 +293,10 @@ static int step_together(struct tissue_solve *solve, struct dpt_world *world, do
     }
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct loaded_step *step = &solve->bodies[b].step;
-        dpti_loaded_step_keep(step);
+        if (step->yield)
+            dpti_yield_keep(step->yield, step->dt);
+        else
+            dpti_loaded_step_keep(step);
         step->info.flags |= solve->step < dt ? (uint32_t)DPT_SPRINGS_FLAG_CUT : 0u;
         write_info(step, infos ? &infos[solve->bodies[b].number] : NULL);
     }
@@ -313,13 +324,13 @@ static dpt_result yield_alone(struct dpt_world *world, struct body *body, double
         dpti_yield_return(yield, dt);
     else
         dpti_loaded_step_go(&step);
-    const dpt_result result = take_step(world, body, &step, &moved);
+    const dpt_result result = take_yield(world, body, &step, &moved);
     if (result != DPT_OK) {
         dpti_loaded_step_undo(&step);
         return result;
     }
-    dpti_deform_follow(world, body, vertices_of(&step), moved);
-    dpti_loaded_step_keep(&step);
+    dpti_deform_follow(world, body, &yield->moved, moved);
+    dpti_yield_keep(yield, dt);
     write_info(&step, info);
     return dpti_yield_note(yield, body->surface.positions, loads, dt) ? DPT_OK : DPT_E_FULL;
 }
@@ -340,7 +351,7 @@ static dpt_result step_alone(struct dpt_world *world, struct body *body, struct 
     else
         take_displaced(world, body, springs, dt);
     const dpt_result result =
-        dpti_loaded_step_make(&step, springs, dt, count) ? take_step(world, body, &step, &moved) : DPT_E_FINITE;
+        dpti_loaded_step_make(&step, springs, dt, count) ? take_springs(world, body, &step, &moved) : DPT_E_FINITE;
     if (result != DPT_OK) {
         dpti_loaded_step_undo(&step);
         return result;
