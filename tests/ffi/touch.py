@@ -270,7 +270,7 @@ check("loads", core.dpt_body_get_loads(world, soft, loads, 64, byref(count)) == 
 check("they are 25 N downward, as it is 25 N upward", abs(wrench.force[2] - 25) < 1e-4 and
       abs(sum(load.force[2] for load in loads[:count.value]) + wrench.force[2]) < 1e-9)
 core.dpt_body_remove(world, soft)  # only then may its block go
-# It gives way by 1 mm/N: of 500 N/m and 50 mm as much is left as 1 / (1 / 500 + 1 / 1000 shared by corners), and it is told.
+# One that gives way by 1 mm/N: two ticks have a mean of their loads, and an answer to it is taken.
 soft_def.compliance = 1e-3
 need = core.dpt_deformable_bytes(byref(soft_def))
 soft_block = (c_double * (need // 8 + 1))()
@@ -279,8 +279,7 @@ pose.position[:] = (5.3, 0.2, 1.05)
 core.dpt_tool_teleport(world, tool, byref(pose))
 settings.law = 2  # DPT_LAW_PROXY
 core.dpt_tool_set_settings(world, tool, byref(settings))
-for pose.position[2] in (1.05, 1.05):
-    core.dpt_tool_set_pose(world, tool, byref(pose))
+for _ in range(2):
     core.dpt_world_step(world, c_double(0.001), None)
     check("it gives way", core.dpt_body_step_springs(world, soft, None, c_double(0.001), None) == 0)
 seconds = c_double()
