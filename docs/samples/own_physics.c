@@ -2,7 +2,8 @@
 /*
  * Your physics, our contact: a needle is held still, and an organ beats against it and gives way. Physics moves the
  * vertices a hundred times a second, in a thread of its own. The haptic loop takes them a thousand times a second, and
- * hands back what the needle does to them.
+ * hands back what the needle does to them. Physics tells how far a vertex gives way to a newton in one of its steps, so the
+ * loop feels the organ give way in each tick.
  *
  *     build/dynpoint make liver 5000 -o liver.stl
  *     cc own_physics.c $(pkg-config --cflags --libs libdynpoint_compile libdynpoint) -lm -pthread -o own_physics
@@ -34,14 +35,20 @@ struct loads {
     dpt_load load[LOADS_MAX];
 };
 
+/* Where vertices are, and the loads that have brought them there. */
+struct answer {
+    float *positions;
+    struct loads loads;
+};
+
 struct scene {
     const dpt_mesh *mesh;
     const float *rest; /* its vertices; physics that has them in another order needs a table */
     uint32_t vertices;
 
     /* Between the threads. */
-    dpt_latest latest_positions, latest_loads;
-    float *positions[DPT_LATEST_PLACES];
+    dpt_latest latest_answer, latest_loads;
+    struct answer answers[DPT_LATEST_PLACES];
     struct loads loads[DPT_LATEST_PLACES];
 
     /* Of physics. */
@@ -79,15 +86,22 @@ static void *must_allocate(size_t bytes)
     return block;
 }
 
+/* How much of its way a vertex goes in a step. */
+static double part_of_step(void)
+{
+    return 1 - exp(-PERIOD / TAU);
+}
+
 /* Yours. Here a spring pulls each vertex to its place in the organ: x' = (place - x) / TAU + force / DRAG. */
 static void physics_step(struct scene *scene)
 {
-    const double beat = BEAT * sin(TURN * PERIOD * ++scene->periods), part = 1 - exp(-PERIOD / TAU);
-    float *positions = scene->positions[scene->latest_positions.writing];
+    const double beat = BEAT * sin(TURN * PERIOD * ++scene->periods);
+    struct answer *answer = &scene->answers[scene->latest_answer.writing];
     const struct loads *loads;
 
     dpt_latest_take(&scene->latest_loads); /* the last ones, where there are no newer ones */
     loads = &scene->loads[scene->latest_loads.reading];
+    answer->loads = *loads;
     memset(scene->force, 0, 3 * scene->vertices * sizeof *scene->force);
     for (uint32_t i = 0; i < loads->count; i++)
         for (uint32_t k = 0; k < 3; k++)
@@ -96,10 +110,10 @@ static void physics_step(struct scene *scene)
     for (uint32_t i = 0; i < 3 * scene->vertices; i++) {
         const double rest = (double)scene->rest[i];
         const double place = rest + beat * (rest - scene->middle[i % 3]);
-        scene->now[i] += part * (place + TAU / DRAG * scene->force[i] - scene->now[i]);
-        positions[i] = (float)scene->now[i];
+        scene->now[i] += part_of_step() * (place + TAU / DRAG * scene->force[i] - scene->now[i]);
+        answer->positions[i] = (float)scene->now[i];
     }
-    dpt_latest_publish(&scene->latest_positions);
+    dpt_latest_publish(&scene->latest_answer);
 }
 
 /* The needle comes down for half a second; then it is held. */
@@ -107,16 +121,20 @@ static struct felt haptic_tick(struct scene *scene, int tick)
 {
     struct loads *loads = &scene->loads[scene->latest_loads.writing];
     struct felt felt = { .report.size = sizeof felt.report };
+    double seconds;
     scene->device.position[2] = scene->held_at + 0.01 * fmax(0, 1 - 2 * TICK * tick);
 
-    if (dpt_latest_take(&scene->latest_positions))
-        MUST(dpt_body_set_vertices(scene->world, scene->body, 0, scene->vertices,
-                                   scene->positions[scene->latest_positions.reading], -1));
+    if (dpt_latest_take(&scene->latest_answer)) {
+        const struct answer *answer = &scene->answers[scene->latest_answer.reading];
+        MUST(dpt_body_set_answered_loads(scene->world, scene->body, answer->loads.load, answer->loads.count));
+        MUST(dpt_body_set_vertices(scene->world, scene->body, 0, scene->vertices, answer->positions, -1));
+    }
     MUST(dpt_tool_set_pose(scene->world, scene->tool, &scene->device));
     MUST(dpt_world_step(scene->world, TICK, NULL));
-    MUST(dpt_tool_get_force_info(scene->world, scene->tool, &felt.report)); /* to the device */
-    MUST(dpt_tool_get_proxy(scene->world, scene->tool, &felt.proxy));       /* to the screen */
-    MUST(dpt_body_get_loads(scene->world, scene->body, loads->load, LOADS_MAX, &loads->count));
+    MUST(dpt_body_step_springs(scene->world, scene->body, NULL, TICK, NULL)); /* the organ gives way */
+    MUST(dpt_tool_get_force_info(scene->world, scene->tool, &felt.report));   /* to the device */
+    MUST(dpt_tool_get_proxy(scene->world, scene->tool, &felt.proxy));         /* to the screen */
+    MUST(dpt_body_get_mean_loads(scene->world, scene->body, loads->load, LOADS_MAX, &loads->count, &seconds));
     dpt_latest_publish(&scene->latest_loads);
 
     felt.depth = felt.proxy.position[2] - scene->device.position[2];
@@ -126,10 +144,10 @@ static struct felt haptic_tick(struct scene *scene, int tick)
 static void open_physics(struct scene *scene, const dpt_mesh_info *info)
 {
     const size_t numbers = 3 * (size_t)info->vertices;
-    dpt_latest_init(&scene->latest_positions);
+    dpt_latest_init(&scene->latest_answer);
     dpt_latest_init(&scene->latest_loads);
     for (int i = 0; i < DPT_LATEST_PLACES; i++)
-        scene->positions[i] = must_allocate(numbers * sizeof(float));
+        scene->answers[i].positions = must_allocate(numbers * sizeof(float));
     scene->now = must_allocate(numbers * sizeof(double));
     scene->force = must_allocate(numbers * sizeof(double));
     for (size_t i = 0; i < numbers; i++)
@@ -151,8 +169,9 @@ static void open_haptics(struct scene *scene, const dpt_mesh_info *info)
 
     dpt_deformable_def_init(&body_def);
     body_def.mesh = scene->mesh;
-    body_def.period = PERIOD;    /* vertices move smoothly from one step of physics to the next */
-    body_def.load_radius = 0.01; /* m: the needle's force is spread over a patch */
+    body_def.period = PERIOD;                          /* vertices move smoothly from one step of physics to the next */
+    body_def.load_radius = 0.01;                       /* m: the needle's force is spread over a patch */
+    body_def.compliance = part_of_step() * TAU / DRAG; /* m/N: how far a newton moves a vertex in a step of physics */
     scene->body_block = must_allocate(dpt_deformable_bytes(&body_def));
     MUST(dpt_body_add_deformable(scene->world, scene->body_block, dpt_deformable_bytes(&body_def), &body_def,
                                  &scene->body));
@@ -181,7 +200,7 @@ static void open_scene(struct scene *scene, const dpt_mesh *mesh)
 static void close_scene(struct scene *scene)
 {
     for (int i = 0; i < DPT_LATEST_PLACES; i++)
-        free(scene->positions[i]);
+        free(scene->answers[i].positions);
     free(scene->now);
     free(scene->force);
     free(scene->world_block);

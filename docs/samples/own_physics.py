@@ -3,7 +3,8 @@
 
     python3 docs/samples/own_physics.py build      # or another folder of libdynpoint.so and libdynpoint_compile.so
 
-Physics makes a step every ten ticks, and gets the needle's loads. With SOFA, MuJoCo or Newton, `step` is theirs.
+Physics makes a step every ten ticks, gets the mean of the needle's loads, and tells how far a newton moves a vertex in a
+step. With SOFA, MuJoCo or Newton, `step` is theirs.
 """
 import sys
 from array import array
@@ -40,7 +41,8 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"), (c_double, "onset"),
                   (c_uint32, "sweep_budget reserved"))
 DeformDef = struct("dpt_deformable_def", (c_uint32, "size max_points"), (c_void_p, "mesh pose"),
-                   (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
+                   (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"),
+                   (c_double, "compliance"), (c_void_p, "compliances reserved_pointer"))
 ForceReport = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"),
                      (c_double, "body_work"))
@@ -60,14 +62,15 @@ for j in range(SECTORS):
 
 # Your physics: a spring draws each vertex to its place in the beating heart, x' = (place - x) / TAU + force / DRAG.
 PERIOD, BEAT, TAU, DRAG = 0.01, 0.05, 0.03, 6.0
+PART = 1 - exp(-PERIOD / TAU)  # of its way goes a vertex in a step
 now = list(rest)
 
 
 def step(time, forces):
-    growth, part = 1 + BEAT * sin(2 * pi * time), 1 - exp(-PERIOD / TAU)
+    growth = 1 + BEAT * sin(2 * pi * time)
     for v, place in enumerate(rest):
         force = forces.get(v, (0, 0, 0))
-        now[v] = tuple(x + part * (growth * p + TAU / DRAG * f - x) for x, p, f in zip(now[v], place, force))
+        now[v] = tuple(x + PART * (growth * p + TAU / DRAG * f - x) for x, p, f in zip(now[v], place, force))
 
 
 # A mesh of it. The library numbers vertices anew; which is which is told by where they are, in float as it keeps them.
@@ -92,6 +95,7 @@ world_block = new_block(world_size)
 must(core.dpt_world_create(world_block, c_size_t(world_size), byref(world_def), byref(world)))
 core.dpt_deformable_def_defaults(byref(body_def), c_size_t(sizeof(body_def)))
 body_def.mesh, body_def.period, body_def.load_radius = mesh, PERIOD, 0.01
+body_def.compliance = PART * TAU / DRAG  # m/N
 body_size = core.dpt_deformable_bytes(byref(body_def))
 body_block = new_block(body_size)
 must(core.dpt_body_add_deformable(world, body_block, c_size_t(body_size), byref(body_def), byref(body)))
@@ -100,9 +104,11 @@ must(core.dpt_tool_add(world, byref(needle), 1, byref(tool)))
 
 pose, proxy, report, loads = Pose(double3(0, 0, 0), double4(1, 0, 0, 0)), Pose(), ForceReport(), (Load * 4096)()
 report.size = sizeof(report)
-load_count, felt, worst = c_uint32(), [], 0.0
+load_count, seconds, felt, worst = c_uint32(), c_double(), [], 0.0
 for tick in range(3000):
     if tick % 10 == 0:
+        must(core.dpt_body_get_mean_loads(world, body, loads, c_uint32(len(loads)), byref(load_count), byref(seconds)))
+        must(core.dpt_body_set_answered_loads(world, body, loads, load_count))
         forces = {}
         for load in loads[:load_count.value]:
             forces[order[load.vertex]] = [a + b for a, b in zip(forces.get(order[load.vertex], (0, 0, 0)), load.force)]
@@ -113,6 +119,7 @@ for tick in range(3000):
     pose.position[2] = SIZE[2] - 0.001 + 0.01 * max(0.0, 1 - 0.002 * tick)  # down for half a second, then 2 mm deep
     must(core.dpt_tool_set_pose(world, tool, byref(pose)))
     must(core.dpt_world_step(world, c_double(0.001), None))
+    must(core.dpt_body_step_springs(world, body, None, c_double(0.001), None))
     must(core.dpt_tool_get_force_info(world, tool, byref(report)))
     must(core.dpt_tool_get_proxy(world, tool, byref(proxy)))
     must(core.dpt_body_get_loads(world, body, loads, c_uint32(len(loads)), byref(load_count)))

@@ -193,9 +193,12 @@ DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *el
  * `point` and `bed`. On a tool that does not move a sheet comes to rest and sleeps, and is felt as before, but it is not
  * felt by its weight.
  *
- *   springs  made with the body's mesh
+ *   springs  made with the body's mesh. NULL: the body has a compliance (dpt_deformable_def), and physics of somebody else's
+ *            moves it. Between two steps of that physics contact is solved with the compliance; what gives way is in the
+ *            vertices, and what of it later positions hold goes again (docs/algorithms/deform.md). A period is no matter
  *
- * DPT_E_ARGUMENT: of another mesh, or dt is out of range; DPT_E_HANDLE: no deformable body has this id. Nothing has moved
+ * DPT_E_ARGUMENT: of another mesh, or none for a body without a compliance, or some for one that has it, or dt is out of
+ * range; DPT_E_HANDLE: no deformable body has this id. Nothing has moved
  * then. After any other error the body is held: its springs and vertices are where they were before the call, it is felt
  * as a rigid body that does not move, and dpt_step.flags tells it. The next step tries again.
  *
@@ -212,7 +215,7 @@ DPT_API dpt_result dpt_body_step_springs(dpt_world *world, dpt_body body, dpt_sp
  * stepped one after the other, each of them would take the tool's whole compliance. Bodies that tools touch make as many
  * substeps as the one that needs most.
  *
- *   bodies, springs  `count` of them, each once
+ *   bodies, springs  `count` of them, each once; springs may be NULL, as above
  *   infos            `count`, with the size of each set, or NULL
  *
  * Errors are those of dpt_body_step_springs. The trouble of one body is not that of the others: it is held, and they go on,

@@ -7,6 +7,7 @@
 #define DPT_LOADED_STEP_H
 
 #include "base/vec3.h"
+#include "deform/local_yield.h"
 #include "deform/spring_state.h"
 
 /* Where a node is, m, with what its floats have lost. */
@@ -78,9 +79,11 @@ int dpti_implicit_neighbour(const struct implicit_step *step, uint32_t node, uin
 
 /* A step whose loads are set anew for each substep. */
 struct loaded_step {
-    struct dpt_springs *springs;
-    double dt;
-    uint32_t load_count; /* on vertices, in springs->vertices.loads: those of all substeps */
+    struct dpt_springs *springs; /* NULL: physics is somebody else's */
+    struct local_yield *yield;   /* then: how the body gives way to it; its nodes are the vertices */
+    double share;                /* of the tick that is stepped */
+    double dt;                   /* s; of a yield the tick's */
+    uint32_t load_count;         /* on vertices, in springs->vertices.loads: those of all substeps */
     dpt_springs_info info;
     int has_failed;                /* a substep would have left the finite range */
     int is_taken;                  /* the state that was reached is that of the springs */
@@ -97,6 +100,10 @@ uint32_t dpti_springs_touched_substeps(const struct dpt_springs *springs, double
 /* Begin a step; dt and the loads on vertices are valid. is_touched: it is solved together with tools that touch. */
 void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t substeps,
                             uint32_t load_count, int is_touched);
+
+/* The same for a body whose physics is somebody else's, of which a share of the tick is stepped. */
+void dpti_loaded_step_begin_yield(struct loaded_step *step, struct local_yield *yield, double dt, double share,
+                                  uint32_t substeps);
 
 /* Begin a substep: the loads on vertices, and no others, are set. */
 void dpti_loaded_step_set(struct loaded_step *step);
@@ -121,8 +128,8 @@ int dpti_loaded_step_neighbour(const struct loaded_step *step, uint32_t node, ui
 int dpti_loaded_step_go(struct loaded_step *step);
 
 /*
- * End the step, after all of its substeps: take the state that was reached, which may still be undone, and then keep it.
- * Or, at any time before, undo it: nothing has moved then.
+ * End the step, after all of its substeps: take the state that was reached, which may still be undone, and then keep it;
+ * both of springs alone (dpti_yield_keep). Or, at any time before, undo it: nothing has moved then.
  */
 void dpti_loaded_step_take(struct loaded_step *step);
 void dpti_loaded_step_keep(struct loaded_step *step);

@@ -382,6 +382,15 @@ void dpti_loaded_step_begin(struct loaded_step *step, struct dpt_springs *spring
     }
 }
 
+void dpti_loaded_step_begin_yield(struct loaded_step *step, struct local_yield *yield, double dt, double share,
+                                  uint32_t substeps)
+{
+    *step = (struct loaded_step){ .yield = yield, .share = share, .dt = dt, .info = { .size = sizeof step->info } };
+    step->info.substeps = substeps;
+    step->info.nodes = yield->vertex_count;
+    step->info.active = yield->count;
+}
+
 static int is_implicit(const struct loaded_step *step)
 {
     return step->springs->def.integrator == DPT_INTEGRATOR_IMPLICIT;
@@ -390,21 +399,27 @@ static int is_implicit(const struct loaded_step *step)
 void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, double moved[SPRING_ROWS],
                               double slid[SPRING_ROWS])
 {
-    if (!is_implicit(step)) {
+    if (step->yield)
+        dpti_yield_foresee(step->yield, slice, step->dt, step->share, moved);
+    else if (is_implicit(step))
+        dpti_implicit_foresee(&step->implicit, slice, moved);
+    else
         dpti_explicit_foresee(&step->explicit, slice, moved, slid);
-        return;
-    }
-    dpti_implicit_foresee(&step->implicit, slice, moved);
-    memcpy(slid, moved, SPRING_ROWS * sizeof *slid);
+    if (step->yield || is_implicit(step))
+        memcpy(slid, moved, SPRING_ROWS * sizeof *slid);
 }
 
 vec3 dpti_loaded_step_place(const struct loaded_step *step, uint32_t node)
 {
+    if (step->yield)
+        return dpti_yield_place(step->yield, node);
     return is_implicit(step) ? dpti_implicit_place(&step->implicit, node) : dpti_explicit_place(&step->explicit, node);
 }
 
 double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node)
 {
+    if (step->yield)
+        return step->share * dpti_yield_compliance(step->yield, node);
     return is_implicit(step) ? dpti_implicit_response(&step->implicit, node)
                              : dpti_explicit_response(&step->explicit, node);
 }
@@ -412,20 +427,26 @@ double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node)
 int dpti_loaded_step_neighbour(const struct loaded_step *step, uint32_t node, uint32_t *entry, uint32_t *other,
                                double *response)
 {
-    return is_implicit(step) && dpti_implicit_neighbour(&step->implicit, node, entry, other, response);
+    return !step->yield && is_implicit(step) && dpti_implicit_neighbour(&step->implicit, node, entry, other, response);
 }
 
 void dpti_loaded_step_set(struct loaded_step *step)
 {
     struct dpt_springs *springs = step->springs;
-    set_loads(&springs->loads[springs->loaded], springs->vertices.loads, step->load_count, &springs->vertices);
+    if (step->yield)
+        dpti_yield_unload(step->yield);
+    else
+        set_loads(&springs->loads[springs->loaded], springs->vertices.loads, step->load_count, &springs->vertices);
 }
 
 void dpti_loaded_step_add(struct loaded_step *step, uint32_t node, vec3 force)
 {
     double on_node[3];
     vec3_store(force, on_node);
-    add_load(&step->springs->loads[step->springs->loaded], node, 1.0, on_node);
+    if (step->yield)
+        dpti_yield_load(step->yield, node, force);
+    else
+        add_load(&step->springs->loads[step->springs->loaded], node, 1.0, on_node);
 }
 
 /* Slices whose loads have changed wake; those that are awake make the substep. */
@@ -439,6 +460,10 @@ static void wake(struct loaded_step *step)
 
 int dpti_loaded_step_go(struct loaded_step *step)
 {
+    if (step->yield) {
+        dpti_yield_go(step->yield, step->dt, step->share);
+        return 1;
+    }
     wake(step);
     step->has_failed = is_implicit(step) ? !dpti_implicit_substep(&step->implicit, &step->info.flags)
                                          : !dpti_explicit_substep(&step->explicit);
@@ -473,6 +498,10 @@ static float square_of(const struct spring_slice *slice)
 void dpti_loaded_step_undo(struct loaded_step *step)
 {
     struct dpt_springs *springs = step->springs;
+    if (step->yield) {
+        dpti_yield_undo(step->yield);
+        return;
+    }
     if (is_implicit(step))
         dpti_implicit_undo(&step->implicit, step->info.substeps);
     else

@@ -31,11 +31,11 @@ dpt_result host_device_end_fault(dpt_device *device, const char *name, dpt_host_
     return DPT_OK;
 }
 
-/* s: by how much later vertices arrive than with physics in each tick. */
+/* s: by how much later vertices arrive than physics hands them over: the longest period of what gives way. */
 static double physics_delay(const struct scene *scene)
 {
     double delay = 0.0;
-    for (uint32_t i = 0; scene->physics_rate > 0.0 && i < scene->bodies.count; i++)
+    for (uint32_t i = 0; i < scene->bodies.count; i++)
         if (scene_body_is_soft(&scene->bodies.body[i]))
             delay = fmax(delay, scene->bodies.body[i].period);
     return delay;

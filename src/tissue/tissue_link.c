@@ -72,7 +72,16 @@ static void add_node(struct linking *linking, uint32_t node, double weight)
 
 static void add_corner(struct linking *linking, uint32_t vertex, double weight)
 {
-    const struct spring_vertices *vertices = &linking->solve->bodies[linking->link->body].step.springs->vertices;
+    const struct tissue_body *body = &linking->solve->bodies[linking->link->body];
+    const struct spring_vertices *vertices;
+    if (body->step.yield) {
+        if (dpti_yield_of(body->step.yield, vertex, body->body->surface.positions + 3 * (size_t)vertex))
+            add_node(linking, vertex, weight);
+        else
+            linking->has_room = 0;
+        return;
+    }
+    vertices = &body->step.springs->vertices;
     if (!vertices->nodes)
         add_node(linking, vertex, weight);
     for (size_t k = 4 * (size_t)vertex; vertices->nodes && k < 4 * (size_t)vertex + 4; k++)

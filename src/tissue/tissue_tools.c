@@ -32,6 +32,8 @@ uint32_t dpti_tissue_substeps(const struct tissue_solve *solve, double dt)
     uint32_t substeps = 1;
     for (uint32_t b = 0; b < solve->body_count; b++) {
         const struct dpt_springs *springs = solve->bodies[b].step.springs;
+        if (!springs)
+            continue;
         const uint32_t own =
             solve->is_touched ? dpti_springs_touched_substeps(springs, dt) : dpti_springs_substeps_of(springs, dt);
         substeps = own > substeps ? own : substeps;
@@ -58,7 +60,7 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
         search->body = &world->bodies[i];
         const struct tissue_body *solved = solved_body(solve, search->body);
         search->springs = solved ? solved->step.springs : NULL;
-        search->ahead = solved ? ahead_of(solve, solved) : 0.0;
+        search->ahead = search->springs ? ahead_of(solve, solved) : 0.0;
         if (body_is_there(search->body) && !is_solved == !solved)
             dpti_touches_gather(search, &solve->touches);
     }
@@ -307,7 +309,7 @@ int dpti_tissue_rests(const struct tissue_solve *solve, const struct dpt_world *
         world->bodies_moved_tick == world->ticks)
         return 0;
     for (uint32_t b = 0; b < solve->body_count; b++)
-        if (solve->bodies[b].step.springs->region.count)
+        if (!solve->bodies[b].step.springs || solve->bodies[b].step.springs->region.count)
             return 0;
     for (uint32_t t = 0; t < world->tool_slot_end; t++) {
         const struct tool *tool = &world->tools[t];

@@ -159,6 +159,9 @@ static void begin_twist(struct tissue_solve *solve, struct tissue_tool *tool, co
                                     .pull = rub->twist,
                                     .hold = rub->hold,
                                     .kinetic = rub->kinetic };
+    const uint32_t number = solve->links[rub->touch].body;
+    if (number != DPT_NONE && solve->bodies[number].step.yield)
+        return;
     if (!set_couple(solve, twist, body) || !(limit_of(solve, tool) > 0.0) ||
         !set_row(solve, tool, twist, &solve->rows[solve->row_count]))
         return;

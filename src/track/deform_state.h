@@ -4,6 +4,7 @@
 #define DPT_DEFORM_STATE_H
 
 #include "deform/deform_loads.h"
+#include "deform/local_yield.h"
 #include "track/world_state.h"
 
 /* The load of one tool in a tick: its points, and their total wrench. */
@@ -22,11 +23,12 @@ struct deform {
     struct load_point *points; /* of this tick, in the body's frame; max_points */
     struct tool_load *tools;   /* likewise */
     uint32_t point_count, tool_count;
-    int has_lost_tool; /* 1: there was no room for any point of a tool */
-    float *target;     /* target positions of the vertices; only with a period */
-    float *next;       /* their positions in the next step; likewise */
-    double time_left;  /* s, until they reach the target; 0: they have */
-    void *solve;       /* of springs: struct tissue_solve; NULL: the mesh has none */
+    int has_lost_tool;         /* 1: there was no room for any point of a tool */
+    struct local_yield *yield; /* NULL: it has no compliance of its own */
+    float *target;             /* target positions of the vertices; only with a period or a yield */
+    float *next;               /* their positions in the next step; likewise */
+    double time_left;          /* s, until they reach the target; 0: they have */
+    void *solve;               /* struct tissue_solve; NULL: the mesh has no springs, and the body no yield */
 };
 
 /* That of a body, or NULL if it is rigid. */

@@ -23,8 +23,9 @@ void dpt_deformable_def_defaults(dpt_deformable_def *def, size_t size)
 
 enum { MAX_POINTS_MAX = 65535, PASSES_MAX = 1024 };
 
-/* s */
+/* s: the longest, and one that is over in any step. */
 #define PERIOD_MAX 1e3
+#define PERIOD_MIN 1e-12
 
 /* The default box: all that coordinates may be. */
 static void set_default_box(dpt_deformable_def *def)
@@ -45,13 +46,16 @@ static dpt_result read_def(const dpt_deformable_def *given, dpt_deformable_def *
     dpt_deformable_def_init(def);
     if (!given)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_read(given, sizeof *given, def, sizeof *def));
+    DPT_TRY(sized_read(given, SIZED_FIRST(dpt_deformable_def, compliance), def, sizeof *def));
     if (!def->mesh || !def->max_points || def->max_points > MAX_POINTS_MAX)
         return DPT_E_ARGUMENT;
     if (!(def->period >= 0.0 && def->period <= PERIOD_MAX) || !(def->load_radius >= 0.0) ||
         !within(def->load_radius, DPT_COORDINATE_MAX))
         return DPT_E_ARGUMENT;
     if (def->response > DPT_RESPONSE_DISPLACE || !def->passes || def->passes > PASSES_MAX)
+        return DPT_E_ARGUMENT;
+    if (!(def->compliance >= 0.0 && def->compliance <= DPT_COMPLIANCE_MAX) || def->reserved_pointer ||
+        (def->compliance > 0.0 && def->response == DPT_RESPONSE_DISPLACE))
         return DPT_E_ARGUMENT;
     set_default_box(def);
     if (!vec3_within(def->box_min, DPT_COORDINATE_MAX) || !vec3_within(def->box_max, DPT_COORDINATE_MAX))
@@ -75,22 +79,27 @@ static int has_embedding(const struct dpt_mesh *mesh)
 
 /* Where the arrays are: from the first multiple of 64 behind the struct on. */
 struct deform_layout {
-    uint64_t points, tools, target, next, solve, motion;
+    uint64_t points, tools, target, next, solve, yield, motion;
     uint64_t bytes; /* of all, wherever the block begins */
 };
 
 static struct deform_layout layout_of(const dpt_deformable_def *def)
 {
     const uint64_t floats = 3 * (uint64_t)def->mesh->vertices;
-    const uint64_t target_floats = def->period > 0.0 ? floats : 0;
-    const uint64_t next_floats = def->period > 0.0 || has_embedding(def->mesh) ? floats : 0;
+    const int has_yield = def->compliance > 0.0, is_bound = def->period > 0.0 || has_yield;
+    const uint64_t target_floats = is_bound ? floats : 0;
+    const uint64_t next_floats = is_bound || has_embedding(def->mesh) ? floats : 0;
     struct deform_layout layout = { .points = 0 };
     struct spring_net net;
     layout.tools = mesh_aligned(sizeof(struct load_point) * (uint64_t)def->max_points);
     layout.target = layout.tools + mesh_aligned(sizeof(struct tool_load) * (uint64_t)def->max_points);
     layout.next = layout.target + mesh_aligned(sizeof(float) * target_floats);
     layout.solve = layout.next + mesh_aligned(sizeof(float) * next_floats);
-    layout.motion = layout.solve + mesh_aligned(mesh_spring_net(def->mesh, &net) ? sizeof(struct tissue_solve) : 0);
+    const int is_solved = mesh_spring_net(def->mesh, &net) || has_yield;
+    const uint64_t yield_bytes =
+        has_yield ? sizeof(struct local_yield) + dpti_yield_bytes(def, def->mesh->vertices) : 0;
+    layout.yield = layout.solve + mesh_aligned(is_solved ? sizeof(struct tissue_solve) : 0);
+    layout.motion = layout.yield + mesh_aligned(yield_bytes);
     layout.bytes =
         mesh_aligned(sizeof(struct deform)) + MESH_ALIGN + layout.motion + dpti_surface_motion_bytes(def->mesh);
     return layout;
@@ -131,11 +140,14 @@ dpt_result dpt_body_add_deformable(dpt_world *world, void *block, size_t bytes, 
     made->tools = (void *)(base + layout.tools);
     made->target = (void *)(base + layout.target);
     made->next = (void *)(base + layout.next);
-    made->solve = layout.motion > layout.solve ? base + layout.solve : NULL;
+    made->solve = layout.yield > layout.solve ? base + layout.solve : NULL;
+    made->yield = layout.motion > layout.yield ? (void *)(base + layout.yield) : NULL;
     if (made->solve)
         memset(made->solve, 0, sizeof(struct tissue_solve));
+    if (made->yield)
+        dpti_yield_make(made->yield, made->yield + 1, &def, def.mesh->vertices);
     dpti_surface_of_motion(def.mesh, def.box_min, def.box_max, base + layout.motion, &made->motion, &surface);
-    if (def.period > 0.0)
+    if (def.period > 0.0 || made->yield)
         memcpy(made->target, surface.positions, 3 * sizeof(float) * (size_t)def.mesh->vertices);
     *body = dpti_body_add(world, &surface, def.pose);
     return DPT_OK;
@@ -154,6 +166,12 @@ static void move_now(struct dpt_world *world, struct body *body, const struct ve
     dpti_body_note_vertices(world, body, moved, has_begun_anew);
 }
 
+/* Vertices are bound for where others are already, or will be in the next step. */
+static int has_target(const struct deform *deform)
+{
+    return deform->def.period > 0.0 || deform->yield;
+}
+
 /* The vertices of an update are where the others are already bound for. */
 static void set_target(struct deform *deform, const struct vertex_update *update)
 {
@@ -161,14 +179,14 @@ static void set_target(struct deform *deform, const struct vertex_update *update
         const uint32_t vertex = update->list ? update->list[i] : update->first + i;
         memcpy(deform->target + 3 * (size_t)vertex, update->positions + 3 * (size_t)i, 3 * sizeof(float));
     }
-    deform->time_left = deform->def.period;
+    deform->time_left = max_of(deform->def.period, PERIOD_MIN);
 }
 
 /* The box of a body's surface goes where its vertices go, up to the def's. Returns 0 if they would leave that. */
 static int make_room(struct dpt_world *world, struct body *body, const struct vertex_update *update)
 {
     const struct deform *deform = deform_of(body);
-    const float *target = deform->def.period > 0.0 ? deform->target : NULL;
+    const float *target = has_target(deform) ? deform->target : NULL;
     double low[3], high[3];
     if (dpti_deform_is_inside(&body->surface, &world->kernel, update->positions, update->count))
         return 1;
@@ -185,7 +203,7 @@ static int make_room(struct dpt_world *world, struct body *body, const struct ve
 static void move_within_room(struct dpt_world *world, struct body *body, const struct vertex_update *update)
 {
     struct deform *deform = deform_of(body);
-    if (update->count && deform->def.period > 0.0)
+    if (update->count && has_target(deform))
         set_target(deform, update);
     else if (update->count)
         move_now(world, body, update);
@@ -205,8 +223,9 @@ static dpt_result move_vertices(struct dpt_world *world, struct body *body, cons
 static struct vertex_update update_of(const struct dpt_world *world, const struct body *body,
                                       const struct spring_vertices *vertices, uint32_t count)
 {
+    const int is_list = deform_of(body)->yield || count < body->surface.mesh->vertices;
     return (struct vertex_update){ .positions = vertices->positions,
-                                   .list = count < body->surface.mesh->vertices ? vertices->list : NULL,
+                                   .list = is_list ? vertices->list : NULL,
                                    .count = count,
                                    .bound = -1.0,
                                    .tick = world_coming_tick(world) };
@@ -223,7 +242,10 @@ void dpti_deform_follow(struct dpt_world *world, struct body *body, const struct
                         uint32_t count)
 {
     const struct vertex_update update = update_of(world, body, vertices, count);
-    move_within_room(world, body, &update);
+    if (count && deform_of(body)->yield)
+        move_now(world, body, &update);
+    else
+        move_within_room(world, body, &update);
 }
 
 void dpti_deform_return(struct dpt_world *world, struct body *body, const struct spring_vertices *vertices,
@@ -242,11 +264,15 @@ static void move_on(struct dpt_world *world, struct body *body, double dt)
 {
     struct deform *deform = deform_of(body);
     const uint32_t vertices = body->surface.mesh->vertices;
-    const int arrives = !(deform->time_left - dt > ARRIVED * dt);
+    const int arrives = !(deform->time_left - dt > ARRIVED * dt), is_target = arrives && !deform->yield;
     const float share = (float)(dt / deform->time_left);
     for (size_t i = 0; i < 3 * (size_t)vertices && !arrives; i++)
         deform->next[i] = body->surface.positions[i] + share * (deform->target[i] - body->surface.positions[i]);
-    const struct vertex_update update = { .positions = arrives ? deform->target : deform->next,
+    if (arrives && deform->yield)
+        memcpy(deform->next, deform->target, 3 * sizeof *deform->next * (size_t)vertices);
+    if (deform->yield)
+        dpti_yield_move_on(deform->yield, deform->target, arrives ? 1.0 : dt / deform->time_left, deform->next);
+    const struct vertex_update update = { .positions = is_target ? deform->target : deform->next,
                                           .count = vertices,
                                           .bound = -1.0,
                                           .tick = world_coming_tick(world) };
@@ -268,6 +294,8 @@ void dpti_deform_begin_step(struct dpt_world *world, double dt)
             continue;
         deform->point_count = deform->tool_count = 0;
         deform->has_lost_tool = 0;
+        if (deform->yield)
+            dpti_yield_arrive(deform->yield, deform->target);
         if (deform->time_left > 0.0 && dt > 0.0)
             move_on(world, body, dt);
     }
@@ -355,6 +383,8 @@ void dpti_deform_reset(struct body *body)
     if (!deform)
         return;
     dpti_surface_motion_forget(&deform->motion);
+    if (deform->yield)
+        dpti_yield_forget_loads(deform->yield);
     deform->point_count = deform->tool_count = 0;
     deform->has_lost_tool = 0;
     body->held_tick = 0;
@@ -458,6 +488,49 @@ dpt_result dpt_body_get_loads(const dpt_world *world, dpt_body id, dpt_load *loa
         return DPT_E_ARGUMENT;
     const struct body *body = find_deformable(world, id);
     return body ? dpti_deform_get_loads(world, body, NULL, NULL, loads, capacity, count) : DPT_E_HANDLE;
+}
+
+dpt_result dpt_body_get_mean_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,
+                                   uint32_t *count, double *seconds)
+{
+    if (count)
+        *count = 0;
+    if (seconds)
+        *seconds = 0.0;
+    if (!world || !count || !seconds || (!loads && capacity))
+        return DPT_E_ARGUMENT;
+    const struct body *body = find_deformable(world, id);
+    if (!body)
+        return DPT_E_HANDLE;
+    const struct local_yield *yield = deform_of(body)->yield;
+    if (!yield)
+        return DPT_E_UNSUPPORTED;
+    *count = dpti_yield_mean(yield, loads, capacity);
+    *seconds = yield->seconds;
+    return *count > capacity ? DPT_E_FULL : DPT_OK;
+}
+
+dpt_result dpt_body_set_answered_loads(dpt_world *world, dpt_body id, const dpt_load *loads, uint32_t count)
+{
+    if (!world || (!loads && count))
+        return DPT_E_ARGUMENT;
+    struct body *body = find_deformable(world, id);
+    if (!body)
+        return DPT_E_HANDLE;
+    struct deform *deform = deform_of(body);
+    if (!deform->yield)
+        return DPT_E_UNSUPPORTED;
+    for (uint32_t i = 0; i < count; i++) {
+        if (loads[i].vertex >= body->surface.mesh->vertices)
+            return DPT_E_ARGUMENT;
+        if (!vec3_within(loads[i].force, SPRING_LOAD_MAX))
+            return DPT_E_FINITE;
+    }
+    if (!dpti_yield_set_answered(deform->yield, body->surface.positions, loads, count))
+        return DPT_E_FULL;
+    if (deform->yield->count)
+        deform->time_left = max_of(deform->def.period, PERIOD_MIN);
+    return DPT_OK;
 }
 
 dpt_result dpt_body_get_node_loads(const dpt_world *world, dpt_body id, dpt_load *loads, uint32_t capacity,

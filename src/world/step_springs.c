@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Springs of bodies, stepped with the tools that touch them: docs/algorithms/tissue.md. What a tool does to a body that
- * cannot be solved for together with it is a load of the tick before.
+ * cannot be solved for together with it is a load of the tick before. A body whose physics is somebody else's has no springs,
+ * but a compliance.
  */
 #include <float.h>
 #include <math.h>
@@ -85,7 +86,23 @@ static void take_displaced(const struct dpt_world *world, const struct body *bod
 static int body_is_solved(const struct body *body)
 {
     const dpt_deformable_def *def = &deform_of(body)->def;
-    return def->response == DPT_RESPONSE_LOAD && !(def->period > 0.0);
+    return def->response == DPT_RESPONSE_LOAD && (!(def->period > 0.0) || def->compliance > 0.0);
+}
+
+/* Of the last step of a body. */
+static dpt_result *result_of(const struct body *body, struct dpt_springs *springs)
+{
+    return springs ? &springs->result : &deform_of(body)->yield->result;
+}
+
+static struct spring_vertices *vertices_of(struct loaded_step *step)
+{
+    return step->yield ? &step->yield->moved : &step->springs->vertices;
+}
+
+static uint32_t gather_vertices(struct loaded_step *step)
+{
+    return step->yield ? dpti_yield_gather(step->yield) : dpti_spring_vertices_gather(step->springs);
 }
 
 /* m: how far from the proxy pairs may come to carry force. What is fast now was so in the last step. */
@@ -93,9 +110,11 @@ static double reach_of(const struct tissue_solve *solve, double dt)
 {
     float square = 0.0f;
     for (uint32_t b = 0; b < solve->body_count; b++) {
-        const struct active_region *region = &solve->bodies[b].step.springs->region;
-        for (uint32_t i = 0; i < region->count; i++)
-            square = region->square[region->slices[i]] > square ? region->square[region->slices[i]] : square;
+        const struct dpt_springs *springs = solve->bodies[b].step.springs;
+        for (uint32_t i = 0; springs && i < springs->region.count; i++) {
+            const float of = springs->region.square[springs->region.slices[i]];
+            square = of > square ? of : square;
+        }
     }
     return REACH + sqrt((double)square) * dt;
 }
@@ -116,14 +135,20 @@ static void begin_bodies(struct tissue_solve *solve, const struct dpt_world *wor
     uint32_t count[TISSUE_BODIES_MAX];
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct dpt_springs *springs = solve->bodies[b].step.springs;
+        if (!springs)
+            continue;
         springs->result = dpti_deform_get_loads(world, solve->bodies[b].body, is_solved_for, solve,
                                                 springs->vertices.loads, springs->def.max_loads, &count[b]);
         if (springs->result != DPT_OK)
             count[b] = 0;
     }
-    for (uint32_t b = 0; b < solve->body_count; b++)
-        dpti_loaded_step_begin(&solve->bodies[b].step, solve->bodies[b].step.springs, dt, substeps, count[b],
-                               solve->is_touched != 0);
+    for (uint32_t b = 0; b < solve->body_count; b++) {
+        struct loaded_step *step = &solve->bodies[b].step;
+        if (step->yield)
+            dpti_loaded_step_begin_yield(step, step->yield, solve->dt, dt / solve->dt, substeps);
+        else
+            dpti_loaded_step_begin(step, step->springs, dt, substeps, count[b], solve->is_touched != 0);
+    }
 }
 
 static struct body *body_of(struct dpt_world *world, const struct tissue_body *of)
@@ -131,12 +156,19 @@ static struct body *body_of(struct dpt_world *world, const struct tissue_body *o
     return world_find_body(world, of->body->id);
 }
 
-/* Take the state that a step has reached, if the body's vertices may be there. */
-static dpt_result take_step(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
+/* Take the state that a step of springs has reached, if the body's vertices may be there. */
+static dpt_result take_springs(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
 {
     dpti_loaded_step_take(step);
     *moved = dpti_spring_vertices_gather(step->springs);
     return dpti_deform_has_room(world, body, &step->springs->vertices, *moved) ? DPT_OK : DPT_E_FINITE;
+}
+
+/* The same for a body whose physics is somebody else's. */
+static dpt_result take_yield(struct dpt_world *world, struct body *body, struct loaded_step *step, uint32_t *moved)
+{
+    *moved = dpti_yield_gather(step->yield);
+    return dpti_deform_has_room(world, body, &step->yield->moved, *moved) ? DPT_OK : DPT_E_FINITE;
 }
 
 static void write_info(const struct loaded_step *step, dpt_springs_info *info)
@@ -185,11 +217,13 @@ static int take_steps(struct tissue_solve *solve, struct dpt_world *world, int i
     int is_whole = 1;
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct loaded_step *step = &solve->bodies[b].step;
+        dpt_result *result = result_of(solve->bodies[b].body, step->springs);
         if (step->has_failed)
-            step->springs->result = DPT_E_FINITE;
-        else if (is_done && step->springs->result == DPT_OK)
-            step->springs->result = take_step(world, body_of(world, &solve->bodies[b]), step, &moved[b]);
-        is_whole &= step->springs->result == DPT_OK;
+            *result = DPT_E_FINITE;
+        else if (is_done && *result == DPT_OK)
+            *result =
+                (step->yield ? take_yield : take_springs)(world, body_of(world, &solve->bodies[b]), step, &moved[b]);
+        is_whole &= *result == DPT_OK;
     }
     return is_whole;
 }
@@ -203,8 +237,7 @@ static void undo_steps(struct tissue_solve *solve)
 static void follow_steps(struct tissue_solve *solve, struct dpt_world *world, const uint32_t *moved)
 {
     for (uint32_t b = 0; b < solve->body_count; b++)
-        dpti_deform_follow(world, body_of(world, &solve->bodies[b]), &solve->bodies[b].step.springs->vertices,
-                           moved[b]);
+        dpti_deform_follow(world, body_of(world, &solve->bodies[b]), vertices_of(&solve->bodies[b].step), moved[b]);
 }
 
 /* How often a step is halved that takes a surface through a tool: tissue that moves so fast is slowed. */
@@ -216,12 +249,22 @@ static void cut_step(struct tissue_solve *solve, struct dpt_world *world, const 
     dpti_tissue_unend(solve, world);
     undo_steps(solve);
     for (uint32_t b = 0; b < solve->body_count; b++) {
-        struct dpt_springs *springs = solve->bodies[b].step.springs;
-        dpti_deform_return(world, body_of(world, &solve->bodies[b]), &springs->vertices,
-                           dpti_spring_vertices_gather(springs), !had_moved[b]);
+        struct loaded_step *step = &solve->bodies[b].step;
+        dpti_deform_return(world, body_of(world, &solve->bodies[b]), vertices_of(step), gather_vertices(step),
+                           !had_moved[b]);
     }
     solve->step *= 0.5;
     dpti_tissue_gather(solve, world, reach_of(solve, solve->step));
+}
+
+/* What tools do to a body whose physics is somebody else's joins the mean of its loads. */
+static void note_loads(struct dpt_world *world, const struct body *body, double dt)
+{
+    struct local_yield *yield = deform_of(body)->yield;
+    uint32_t count;
+    yield->result = dpti_deform_get_loads(world, body, NULL, NULL, yield->loads, yield->load_room, &count);
+    if (yield->result == DPT_OK && !dpti_yield_note(yield, body->surface.positions, count, dt))
+        yield->result = DPT_E_FULL;
 }
 
 /*
@@ -249,22 +292,57 @@ static int step_together(struct tissue_solve *solve, struct dpt_world *world, do
     }
     for (uint32_t b = 0; b < solve->body_count; b++) {
         struct loaded_step *step = &solve->bodies[b].step;
-        dpti_loaded_step_keep(step);
+        if (step->yield)
+            dpti_yield_keep(step->yield, step->dt);
+        else
+            dpti_loaded_step_keep(step);
         step->info.flags |= solve->step < dt ? (uint32_t)DPT_SPRINGS_FLAG_CUT : 0u;
         write_info(step, infos ? &infos[solve->bodies[b].number] : NULL);
     }
     dpti_tissue_tell(solve, world);
     tell_work(solve, solve->work.done, infos);
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        if (solve->bodies[b].step.yield)
+            note_loads(world, solve->bodies[b].body, dt);
     return 1;
+}
+
+/*
+ * A body whose physics is somebody else's, where no tool is solved for with it: what has given way goes back, at once where
+ * no load is left to it.
+ */
+static dpt_result yield_alone(struct dpt_world *world, struct body *body, double dt, dpt_springs_info *info)
+{
+    struct local_yield *yield = deform_of(body)->yield;
+    struct loaded_step step;
+    uint32_t moved, loads;
+    dpti_loaded_step_begin_yield(&step, yield, dt, 1.0, 1);
+    DPT_TRY(dpti_deform_get_loads(world, body, NULL, NULL, yield->loads, yield->load_room, &loads));
+    dpti_loaded_step_set(&step);
+    if (loads)
+        dpti_yield_return(yield, dt);
+    else
+        dpti_loaded_step_go(&step);
+    const dpt_result result = take_yield(world, body, &step, &moved);
+    if (result != DPT_OK) {
+        dpti_loaded_step_undo(&step);
+        return result;
+    }
+    dpti_deform_follow(world, body, &yield->moved, moved);
+    dpti_yield_keep(yield, dt);
+    write_info(&step, info);
+    return dpti_yield_note(yield, body->surface.positions, loads, dt) ? DPT_OK : DPT_E_FULL;
 }
 
 /* A body by itself, with the loads of the last step of the world. */
 static dpt_result step_alone(struct dpt_world *world, struct body *body, struct dpt_springs *springs, double dt,
                              dpt_springs_info *info)
 {
-    const struct spring_vertices *vertices = &springs->vertices;
     struct loaded_step step;
     uint32_t count = 0, moved = 0;
+    if (!springs)
+        return yield_alone(world, body, dt, info);
+    const struct spring_vertices *vertices = &springs->vertices;
     if (deform_of(body)->def.response == DPT_RESPONSE_LOAD)
         DPT_TRY(dpt_body_get_loads(world, body->id, vertices->loads, springs->def.max_loads, &count));
     else if (vertices->nodes || deform_of(body)->def.period > 0.0)
@@ -272,7 +350,7 @@ static dpt_result step_alone(struct dpt_world *world, struct body *body, struct 
     else
         take_displaced(world, body, springs, dt);
     const dpt_result result =
-        dpti_loaded_step_make(&step, springs, dt, count) ? take_step(world, body, &step, &moved) : DPT_E_FINITE;
+        dpti_loaded_step_make(&step, springs, dt, count) ? take_springs(world, body, &step, &moved) : DPT_E_FINITE;
     if (result != DPT_OK) {
         dpti_loaded_step_undo(&step);
         return result;
@@ -286,12 +364,10 @@ static dpt_result step_alone(struct dpt_world *world, struct body *body, struct 
 static dpt_result check(const struct dpt_world *world, dpt_body id, const struct dpt_springs *springs, double dt,
                         const dpt_springs_info *info)
 {
-    if (!springs)
-        return DPT_E_ARGUMENT;
     const struct body *body = world_find_body(world, id);
     if (!body || !body->surface.motion)
-        return DPT_E_HANDLE;
-    if (springs->def.mesh != body->surface.mesh)
+        return springs ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    if (!springs != (deform_of(body)->yield != NULL) || (springs && springs->def.mesh != body->surface.mesh))
         return DPT_E_ARGUMENT;
     return dpti_springs_check_step(dt, info);
 }
@@ -306,9 +382,10 @@ struct step_list {
 static void take_body(struct tissue_solve *solve, const struct dpt_world *world, const struct step_list *list,
                       uint32_t number)
 {
-    solve->bodies[solve->body_count++] = (struct tissue_body){ .number = number,
-                                                               .body = world_find_body(world, list->bodies[number]),
-                                                               .step = { .springs = list->springs[number] } };
+    const struct body *body = world_find_body(world, list->bodies[number]);
+    solve->bodies[solve->body_count++] = (struct tissue_body){
+        .number = number, .body = body, .step = { .springs = list->springs[number], .yield = deform_of(body)->yield }
+    };
 }
 
 /* The bodies that tools touch and that can be stepped, and their touches; NULL: none. The first of them lends its memory. */
@@ -319,7 +396,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
     for (uint32_t i = 0; i < list->count; i++) {
         const struct body *body = world_find_body(world, list->bodies[i]);
         struct tissue_solve *own = deform_of(body)->solve;
-        if (!own || !body_is_solved(body) || list->springs[i]->result != DPT_OK)
+        if (!own || !body_is_solved(body) || *result_of(body, list->springs[i]) != DPT_OK)
             continue;
         own->body_count = own->is_full = 0;
         own->dt = own->step = dt;
@@ -383,12 +460,13 @@ static int is_in_solve(const struct tissue_solve *solve, uint32_t number)
 }
 
 /* A body is where it was: what is told of it. */
-static void hold(struct dpt_world *world, dpt_body id, const struct dpt_springs *springs, dpt_springs_info *info)
+static void hold(struct dpt_world *world, struct body *body, struct dpt_springs *springs, dpt_springs_info *info)
 {
-    const dpt_springs_info told = {
-        .size = sizeof told, .nodes = springs->net.nodes, .result = springs->result, .stable_step = springs->stable_step
-    };
-    world_find_body(world, id)->held_tick = world_coming_tick(world);
+    const dpt_springs_info told = { .size = sizeof told,
+                                    .nodes = springs ? springs->net.nodes : body->surface.mesh->vertices,
+                                    .result = *result_of(body, springs),
+                                    .stable_step = springs ? springs->stable_step : 0.0 };
+    body->held_tick = world_coming_tick(world);
     if (info)
         sized_write(info, info->size, &told, sizeof told);
 }
@@ -399,14 +477,15 @@ static dpt_result step_others(struct dpt_world *world, const struct tissue_solve
 {
     dpt_result result = DPT_OK;
     for (uint32_t i = 0; i < list->count; i++) {
-        struct dpt_springs *springs = list->springs[i];
+        struct body *body = world_find_body(world, list->bodies[i]);
+        dpt_result *own = result_of(body, list->springs[i]);
         dpt_springs_info *info = infos ? &infos[i] : NULL;
-        if (springs->result == DPT_OK && !is_in_solve(solve, i))
-            springs->result = step_alone(world, world_find_body(world, list->bodies[i]), springs, dt, info);
-        if (springs->result == DPT_OK)
+        if (*own == DPT_OK && !is_in_solve(solve, i))
+            *own = step_alone(world, body, list->springs[i], dt, info);
+        if (*own == DPT_OK)
             continue;
-        hold(world, list->bodies[i], springs, info);
-        result = result == DPT_OK ? springs->result : result;
+        hold(world, body, list->springs[i], info);
+        result = result == DPT_OK ? *own : result;
     }
     return result;
 }
@@ -420,11 +499,12 @@ dpt_result dpt_bodies_step_springs(dpt_world *world, const dpt_body *bodies, dpt
     for (uint32_t i = 0; i < count; i++) {
         DPT_TRY(check(world, bodies[i], springs[i], dt, infos ? &infos[i] : NULL));
         for (uint32_t k = 0; k < i; k++)
-            if (bodies[k] == bodies[i] || springs[k] == springs[i])
+            if (bodies[k] == bodies[i] || (springs[i] && springs[k] == springs[i]))
                 return DPT_E_ARGUMENT;
     }
     for (uint32_t i = 0; i < count; i++)
-        springs[i]->result = dpti_springs_substeps_of(springs[i], dt) ? DPT_OK : DPT_E_UNSTABLE;
+        *result_of(world_find_body(world, bodies[i]), springs[i]) =
+            !springs[i] || dpti_springs_substeps_of(springs[i], dt) ? DPT_OK : DPT_E_UNSTABLE;
     struct tissue_solve *solve = resting_solve(world, &list, dt);
     if (solve)
         rest_together(solve, world, infos);

@@ -406,7 +406,7 @@ static const struct {
 } inputs[] = {
     { { "dpt_world_def", sizeof(dpt_world_def), sizeof(dpt_world_def), world_def }, &a_world_def },
     { { "dpt_baseline_def", sizeof(dpt_baseline_def), sizeof(dpt_baseline_def), baseline_def }, &a_baseline_def },
-    { { "dpt_deformable_def", sizeof(dpt_deformable_def), sizeof(dpt_deformable_def), deform_def }, &a_deform_def },
+    { { "dpt_deformable_def", offsetof(dpt_deformable_def, compliance), sizeof(dpt_deformable_def), deform_def }, &a_deform_def },
     { { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), set_body }, &a_body_settings },
     { { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), set_tool }, &a_tool_settings },
     { { "dpt_strip_def", sizeof(dpt_strip_def), sizeof(dpt_strip_def), strip_def }, &a_strip_def },

@@ -48,7 +48,8 @@ Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contac
 Overlap = struct("dpt_overlap", (c_uint32, "size triangle flags reserved"), (c_double, "distance s"),
                  (double3, "q weight"), (c_double, "gap overlap"))
 DeformDef = struct("dpt_deformable_def", (c_uint32, "size max_points"), (c_void_p, "mesh"), (POINTER(Pose), "pose"),
-                   (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
+                   (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"),
+                   (c_double, "compliance"), (POINTER(c_float), "compliances"), (c_void_p, "reserved_pointer"))
 Load = struct("dpt_load", (c_uint32, "vertex reserved"), (double3, "force"))
 Latest = struct("dpt_latest", (c_uint32, "writing between reading"))
 State = struct("dpt_device_state", (c_uint32, "size status reasons code buttons fresh"),
@@ -269,6 +270,25 @@ check("loads", core.dpt_body_get_loads(world, soft, loads, 64, byref(count)) == 
 check("they are 25 N downward, as it is 25 N upward", abs(wrench.force[2] - 25) < 1e-4 and
       abs(sum(load.force[2] for load in loads[:count.value]) + wrench.force[2]) < 1e-9)
 core.dpt_body_remove(world, soft)  # only then may its block go
+# One that gives way by 1 mm/N: two ticks have a mean of their loads, and an answer to it is taken.
+soft_def.compliance = 1e-3
+need = core.dpt_deformable_bytes(byref(soft_def))
+soft_block = (c_double * (need // 8 + 1))()
+check("add what gives way", core.dpt_body_add_deformable(world, soft_block, c_size_t(need), byref(soft_def), byref(soft)) == 0)
+pose.position[:] = (5.3, 0.2, 1.05)
+core.dpt_tool_teleport(world, tool, byref(pose))
+settings.law = 2  # DPT_LAW_PROXY
+core.dpt_tool_set_settings(world, tool, byref(settings))
+for _ in range(2):
+    core.dpt_world_step(world, c_double(0.001), None)
+    check("it gives way", core.dpt_body_step_springs(world, soft, None, c_double(0.001), None) == 0)
+seconds = c_double()
+check("the mean of its loads", core.dpt_body_get_mean_loads(world, soft, loads, 64, byref(count), byref(seconds)) == 0
+      and is_near(seconds.value, 0.002))
+check("an answer", core.dpt_body_set_answered_loads(world, soft, loads, count) == 0)
+settings.law = 0
+core.dpt_tool_set_settings(world, tool, byref(settings))
+core.dpt_body_remove(world, soft)
 pose.position[:] = (0.3, 0.2, 1.05)
 core.dpt_tool_teleport(world, tool, byref(pose))
 

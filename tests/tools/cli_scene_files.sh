@@ -106,6 +106,8 @@ soft often '"integrator": "implicit", "iterations": 9'
 differs often implicit
 soft spread '"period": 0.01'
 differs spread plain
+check "its period is a delay: $(cat spread.says)" grep -q '"delay":0.0105' spread.says
+check 'and of none there is none' grep -q '"delay":0.0005' plain.says
 soft awake '"sleep_speed": 0'
 check "nothing sleeps: $(cat awake.says)" grep -q '"spring_nodes":\([0-9]*\),"spring_nodes_awake":\1,' awake.says
 soft drowsy '"sleep_speed": 1'

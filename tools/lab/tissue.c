@@ -132,11 +132,12 @@ static int make_net(struct tissue *tissue)
     tissue->load = calloc(3 * n, sizeof *tissue->load);
     tissue->positions = malloc(3 * n * sizeof *tissue->positions);
     tissue->last_positions = malloc(3 * n * sizeof *tissue->last_positions);
+    tissue->answers = calloc(n, sizeof *tissue->answers);
     tissue->loads = malloc(LOADS_MAX * sizeof *tissue->loads);
     tissue->last = malloc(LOADS_MAX * sizeof *tissue->last);
     int is_made = tissue->links && tissue->first && tissue->is_fixed && tissue->area && tissue->pull && tissue->off &&
                   tissue->speed && tissue->load && tissue->positions && tissue->loads && tissue->last &&
-                  tissue->last_positions;
+                  tissue->last_positions && tissue->answers;
     for (size_t i = 0; i < sizeof tissue->scratch / sizeof *tissue->scratch; i++) {
         tissue->scratch[i] = calloc(3 * n, sizeof **tissue->scratch);
         is_made = is_made && tissue->scratch[i];
@@ -150,6 +151,19 @@ static int make_net(struct tissue *tissue)
     return is_made;
 }
 
+/* How far a newton on a vertex would move it in a step if the others stood still. */
+static void tell_compliances(struct tissue *tissue)
+{
+    const struct tissue_matter *matter = &tissue->matter;
+    const double h = tissue_period(tissue),
+                 per_area = matter->mass / (h * h) + matter->damping / h + matter->foundation;
+    for (size_t v = 0; v < tissue->vertices; v++)
+        tissue->answers[v] =
+            tissue->is_fixed[v]
+                ? 0.0f
+                : (float)(tissue->compliance / (per_area * tissue->area[v] + matter->tension * tissue->pull[v]));
+}
+
 int tissue_open(struct tissue *tissue, dpt_world *world)
 {
     dpt_deformable_def def;
@@ -158,9 +172,14 @@ int tissue_open(struct tissue *tissue, dpt_world *world)
     def.period = tissue->is_interpolated ? tissue_period(tissue) : 0.0;
     def.load_radius = tissue->load_radius;
     def.response = tissue->response;
+    def.compliance = tissue->compliance;
     tissue->world = world;
+    if (!make_net(tissue))
+        return 0;
+    tell_compliances(tissue);
+    def.compliances = tissue->answers;
     tissue->block = malloc(dpt_deformable_bytes(&def));
-    return make_net(tissue) && tissue->block &&
+    return tissue->block &&
            dpt_body_add_deformable(world, tissue->block, dpt_deformable_bytes(&def), &def, &tissue->body) == DPT_OK;
 }
 
@@ -177,6 +196,7 @@ void tissue_close(struct tissue *tissue)
     free(tissue->speed);
     free(tissue->load);
     free(tissue->positions);
+    free(tissue->answers);
     free(tissue->loads);
     free(tissue->last);
     free(tissue->last_positions);
@@ -264,8 +284,15 @@ static void beat_at(const struct tissue *tissue, double time, double *ends)
 static void take_loads(struct tissue *tissue)
 {
     uint32_t count;
+    double seconds;
     memset(tissue->load, 0, 3 * sizeof *tissue->load * (size_t)tissue->vertices);
-    if (dpt_body_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count) != DPT_OK) {
+    dpt_result result =
+        tissue->compliance > 0.0
+            ? dpt_body_get_mean_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count, &seconds)
+            : dpt_body_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count);
+    if (result == DPT_OK && tissue->compliance > 0.0)
+        result = dpt_body_set_answered_loads(tissue->world, tissue->body, tissue->loads, count);
+    if (result != DPT_OK) {
         tissue->has_failed = 1;
         return;
     }
@@ -334,6 +361,13 @@ void tissue_advance(struct tissue *tissue)
         beat_at(tissue, time, tissue->off);
     }
     hand_over(tissue);
+}
+
+void tissue_yield(struct tissue *tissue)
+{
+    if (tissue->compliance > 0.0 &&
+        dpt_body_step_springs(tissue->world, tissue->body, NULL, TISSUE_TICK, NULL) != DPT_OK)
+        tissue->has_failed = 1;
 }
 
 static double work_of(const dpt_load *loads, uint32_t count, const float *before, const float *now)

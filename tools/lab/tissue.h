@@ -6,7 +6,7 @@
  *
  *     struct tissue tissue = { .mesh = mesh, .matter = tissue_soft, .ticks = 4, .load_radius = 0.03 };
  *     tissue_open(&tissue, world);
- *     for each tick: tissue_advance(&tissue); dpt_world_step(world, TISSUE_TICK, NULL);
+ *     for each tick: tissue_advance(&tissue); dpt_world_step(world, TISSUE_TICK, NULL); tissue_yield(&tissue);
  *     tissue_close(&tissue);
  *
  * The law is linear, and integrated by the implicit Euler method, solved by conjugate gradients until nothing is left.
@@ -78,6 +78,8 @@ struct tissue {
     struct tissue_matter matter; /* all zero: it does not give way, and only beats */
     uint32_t ticks;              /* of the loop, from one step of physics to the next */
     int is_interpolated;
+    double
+        compliance; /* it tells how far vertices give way, so many times as far as each does by itself; 0: it does not */
     double load_radius; /* m */
     uint32_t response;  /* DPT_RESPONSE_... */
     int is_led;         /* physics gets no loads, and goes on from where vertices were put */
@@ -94,6 +96,7 @@ struct tissue {
     double *area, *pull; /* of a vertex: a third of its triangles, and the sum of its links */
     double *scratch[6];
     float *positions;
+    float *answers;            /* m/N: what it tells */
     struct tissue_link *links; /* of each vertex with its neighbours: N/m by unit of tension */
     uint32_t *first;
     unsigned char *is_fixed;
@@ -111,6 +114,9 @@ void tissue_close(struct tissue *tissue);
 
 /* Before a tick of the loop. In every so many of them physics takes a step with the loads of the last tick. */
 void tissue_advance(struct tissue *tissue);
+
+/* After a tick of the loop: contact is solved with what it has told. */
+void tissue_yield(struct tissue *tissue);
 
 /* Put a vertex elsewhere, by so many m, before the next step of physics. */
 void tissue_move(struct tissue *tissue, uint32_t vertex, const double by[3]);

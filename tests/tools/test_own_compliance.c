@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * Physics at a rate of its own that tells how far it gives way (docs/algorithms/deform.md): the laboratory's tissue, at 30 to
+ * 1,000 Hz under a loop of 1 kHz. A tool presses it, is held still, and goes up and down at 2 Hz.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/vec3.h"
+#include "lab/tissue.h"
+#include "lib/fixture.h"
+#include "measure/hum.h"
+
+#define PI        3.14159265358979323846
+#define STIFFNESS 2000.0 /* N/m */
+#define DEPTH     5e-3   /* m */
+#define ABOVE     1e-3   /* m: where it begins */
+#define SWING     2e-3   /* m */
+#define RATE      2.0    /* Hz */
+#define RADIUS    0.034  /* m: three edges, over which loads are spread */
+
+/* The tool comes down, is still, is looked at, and swings, of which the last period counts. */
+enum { PRESSED = 300, STILL = 500, SWINGING = 900, COUNTED = 1200, TICKS = 1700, LOADS = 4096 };
+
+static struct fixture membrane;
+
+static const dpt_segment tools[2] = { { { 0, 0, 0 }, { 0, 0, 0 }, 0.008 }, { { -0.03, 0, 0 }, { 0.03, 0, 0 }, 0.004 } };
+static const char *const names[2] = { "a ball", "a lying tool" };
+
+struct trial {
+    int tool;
+    uint32_t ticks; /* of a step of physics */
+    double told;    /* compliances that are told, by those that vertices have by themselves */
+};
+
+struct result {
+    struct hum hum;
+    double still_jump, jump; /* N: the largest from tick to tick, while it is still and of all */
+    double swing;            /* N: of the force at 2 Hz */
+    double work;             /* J: of the hand in a swing */
+    double impulse_error;    /* Ns: what means of loads leave of the loads, of the largest impulse */
+    int lost;                /* ticks in which the tool has lost the surface */
+    int has_failed;
+};
+
+static double depth_at(int tick)
+{
+    return DEPTH - (DEPTH + ABOVE) * fmax(0.0, 1.0 - (double)tick / PRESSED) +
+           (tick > SWINGING ? SWING * sin(2.0 * PI * RATE * TISSUE_TICK * (tick - SWINGING)) : 0.0);
+}
+
+static double size_of(const dpt_wrench *wrench)
+{
+    return length(vec3_of(wrench->force));
+}
+
+static vec3 sum_of(const dpt_load *loads, uint32_t count)
+{
+    vec3 sum = { 0.0, 0.0, 0.0 };
+    for (uint32_t i = 0; i < count; i++)
+        sum = add(sum, vec3_of(loads[i].force));
+    return sum;
+}
+
+static void measure(struct result *result, const double *sizes, const double *ups)
+{
+    double sine = 0.0, cosine = 0.0;
+    CHECK(hum_measure(&result->hum, sizes + STILL, SWINGING - STILL), "no memory");
+    for (int i = PRESSED / 2; i < TICKS; i++) {
+        const double jump = fabs(sizes[i] - sizes[i - 1]);
+        result->jump = fmax(result->jump, jump);
+        if (i > STILL && i < SWINGING)
+            result->still_jump = fmax(result->still_jump, jump);
+    }
+    for (int i = COUNTED; i < TICKS; i++) {
+        const double turn = 2.0 * PI * RATE * TISSUE_TICK * (i - SWINGING);
+        sine += sizes[i] * sin(turn) * 2.0 / (TICKS - COUNTED);
+        cosine += sizes[i] * cos(turn) * 2.0 / (TICKS - COUNTED);
+        result->work += 0.5 * (ups[i] + ups[i - 1]) * (depth_at(i) - depth_at(i - 1));
+    }
+    result->swing = hypot(sine, cosine);
+}
+
+static struct result run(const struct trial *trial)
+{
+    static double sizes[TICKS], ups[TICKS];
+    static dpt_load loads[LOADS];
+    const dpt_segment *segment = &tools[trial->tool];
+    struct result result = { .lost = 0 };
+    struct tissue tissue = { .mesh = membrane.mesh,
+                             .matter = tissue_soft,
+                             .ticks = trial->ticks,
+                             .is_interpolated = 1,
+                             .compliance = trial->told,
+                             .load_radius = RADIUS };
+    dpt_pose device = { { 0.003, 0.002, 0.02 }, { 1, 0, 0, 0 } };
+    dpt_world_def def;
+    dpt_world *world;
+    dpt_tool tool;
+    vec3 impulse = { 0.0, 0.0, 0.0 };
+    dpt_world_def_init(&def);
+    def.stiffness = STIFFNESS;
+    void *block = malloc(dpt_world_bytes(&def));
+    CHECK(block && dpt_world_create(block, dpt_world_bytes(&def), &def, &world) == DPT_OK, "no world");
+    CHECK(tissue_open(&tissue, world), "no tissue");
+    CHECK(dpt_tool_add(world, segment, 1, &tool) == DPT_OK, "no tool");
+    for (int i = 0; i < TICKS; i++) {
+        dpt_force_info info = { .size = sizeof info };
+        double seconds;
+        uint32_t count;
+        tissue_advance(&tissue);
+        if (i % (int)trial->ticks == 0)
+            impulse = (vec3){ 0.0, 0.0, 0.0 };
+        device.position[2] = segment->radius - depth_at(i);
+        dpt_tool_set_pose(world, tool, &device);
+        dpt_world_step(world, TISSUE_TICK, NULL);
+        tissue_yield(&tissue);
+        dpt_tool_get_force_info(world, tool, &info);
+        result.lost += info.reason > DPT_FORCE_FREE || (info.flags & DPT_FORCE_FLAG_SQUEEZED);
+        sizes[i] = size_of(&info.wrench);
+        ups[i] = info.wrench.force[2];
+        if (!(trial->told > 0.0))
+            continue;
+        dpt_body_get_loads(world, tissue.body, loads, LOADS, &count);
+        impulse = along(impulse, TISSUE_TICK, sum_of(loads, count));
+        CHECK(dpt_body_get_mean_loads(world, tissue.body, loads, LOADS, &count, &seconds) == DPT_OK, "tick %d", i);
+        CHECK(fabs(seconds - TISSUE_TICK * (1.0 + i % (int)trial->ticks)) < 1e-9, "tick %d: %g s", i, seconds);
+        const vec3 left = along(scaled(impulse, -1.0), seconds, sum_of(loads, count));
+        result.impulse_error = fmax(result.impulse_error, length(left));
+    }
+    measure(&result, sizes, ups);
+    result.has_failed = tissue.has_failed;
+    tissue_close(&tissue);
+    free(block);
+    return result;
+}
+
+/* The hum that is allowed, N. */
+static double allowed(const struct result *result)
+{
+    return fmax(5e-3 * result->hum.mean, 1e-3);
+}
+
+/* The force may jump by what the device has moved since physics has seen it, and by 20 mN. */
+static double jump_allowed(const struct trial *trial)
+{
+    const double fastest = fmax((DEPTH + ABOVE) / PRESSED, 2.0 * PI * RATE * SWING * TISSUE_TICK);
+    return STIFFNESS * fastest * (1.0 + trial->ticks) + 0.02;
+}
+
+static void is_held(const struct trial *trial, const struct result *result)
+{
+    const char *name = names[trial->tool];
+    CHECK(!result->has_failed && !result->lost, "%s, %u ticks, told %g: %d lost", name, trial->ticks, trial->told,
+          result->lost);
+    CHECK(result->hum.mean > 0.5 && result->hum.rms <= allowed(result), "%s, %u ticks, told %g: %g N of %g", name,
+          trial->ticks, trial->told, result->hum.rms, result->hum.mean);
+    CHECK(result->jump <= jump_allowed(trial), "%s, %u ticks, told %g: a jump of %g N", name, trial->ticks, trial->told,
+          result->jump);
+    CHECK(result->impulse_error < 1e-12, "%s, %u ticks: %g Ns", name, trial->ticks, result->impulse_error);
+    printf("    %s, %u ticks, told %g: %.3f N, hum %.2g N, jumps %.2g N still, %.2g N; %.4f N and %.2g J at 2 Hz\n",
+           name, trial->ticks, trial->told, result->hum.mean, result->hum.rms, result->still_jump, result->jump,
+           result->swing, result->work);
+}
+
+static double per_tick[2], rest[2]; /* N: the swing and the force at rest with physics in each tick */
+
+static void a_held_tool_is_silent(void)
+{
+    static const uint32_t ticks[] = { 1, 2, 10, 33 };
+    for (int t = 0; t < 2; t++)
+        for (int i = 0; i < 4; i++) {
+            const struct trial trial = { t, ticks[i], 1.0 };
+            if (!t && ticks[i] == 2)
+                continue;
+            const struct result result = run(&trial);
+            is_held(&trial, &result);
+            CHECK(result.still_jump < 1e-3, "%s, %u ticks: %g N", names[t], ticks[i], result.still_jump);
+            CHECK(result.work > 0.0, "%s, %u ticks: the hand gets %g J", names[t], ticks[i], -result.work);
+            per_tick[t] = i ? per_tick[t] : result.swing;
+            rest[t] = i ? rest[t] : result.hum.mean;
+            CHECK(fabs(result.hum.mean / rest[t] - 1.0) < 0.01, "%s, %u ticks: %g N, not %g", names[t], ticks[i],
+                  result.hum.mean, rest[t]);
+            CHECK(fabs(result.swing / per_tick[t] - 1.0) < (ticks[i] > 10 ? 0.25 : 0.05),
+                  "%s, %u ticks: %g N at 2 Hz, not %g", names[t], ticks[i], result.swing, per_tick[t]);
+        }
+}
+
+/*
+ * Ten times too stiff: found out by the first steps that swing. Too soft: that is found out, too, the force comes late, and
+ * the hand gets work.
+ */
+static void wrong_answers_are_held_too(void)
+{
+    for (int t = 0; t < 2; t++) {
+        const struct trial trial = { t, 33, t ? 0.1 : 10.0 };
+        const struct result result = run(&trial);
+        is_held(&trial, &result);
+        CHECK(fabs(result.hum.mean / rest[t] - 1.0) < 0.05, "told %g: %g N, not %g", trial.told, result.hum.mean,
+              rest[t]);
+        CHECK(fabs(result.swing / per_tick[t] - 1.0) < 0.25, "told %g: %g N at 2 Hz, not %g", trial.told, result.swing,
+              per_tick[t]);
+        CHECK(result.work > -2e-3, "told %g: the hand gets %g J", trial.told, -result.work);
+    }
+}
+
+static void without_an_answer_it_shakes(void)
+{
+    const struct trial trial = { 1, 10, 0.0 };
+    const struct result result = run(&trial);
+    CHECK(result.hum.rms > 0.05 * result.hum.mean, "%g N of %g", result.hum.rms, result.hum.mean);
+}
+
+static void what_is_refused(void)
+{
+    static const double bad[] = { -1.0, NAN, 2.0 * DPT_COMPLIANCE_MAX };
+    const float nothing[1] = { 0.0f };
+    dpt_load load = { .vertex = 0, .force = { 1.0, 0.0, 0.0 } };
+    struct tissue tissue = { .mesh = membrane.mesh, .matter = tissue_soft, .ticks = 1, .compliance = 1.0 };
+    struct tissue silent = { .mesh = membrane.mesh, .matter = tissue_soft, .ticks = 1 };
+    dpt_deformable_def def;
+    dpt_world_def world_def;
+    dpt_world *world;
+    double seconds;
+    uint32_t count;
+    dpt_deformable_def_init(&def);
+    def.mesh = membrane.mesh;
+    const size_t without = dpt_deformable_bytes(&def);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        def.compliance = bad[i];
+        CHECK(!dpt_deformable_bytes(&def), "a compliance of %g", bad[i]);
+    }
+    def.compliance = 1e-3;
+    CHECK(dpt_deformable_bytes(&def) > without, "no room for what gives way");
+    def.response = DPT_RESPONSE_DISPLACE;
+    CHECK(!dpt_deformable_bytes(&def), "it is displaced");
+    def.response = DPT_RESPONSE_LOAD;
+    def.reserved_pointer = nothing;
+    CHECK(!dpt_deformable_bytes(&def), "what is reserved");
+
+    dpt_world_def_init(&world_def);
+    void *block = malloc(dpt_world_bytes(&world_def));
+    dpt_world_create(block, dpt_world_bytes(&world_def), &world_def, &world);
+    CHECK(tissue_open(&tissue, world) && tissue_open(&silent, world), "no tissue");
+    CHECK(dpt_body_get_mean_loads(world, silent.body, &load, 1, &count, &seconds) == DPT_E_UNSUPPORTED,
+          "it tells none");
+    CHECK(dpt_body_set_answered_loads(world, silent.body, &load, 1) == DPT_E_UNSUPPORTED, "it tells none");
+    CHECK(dpt_body_step_springs(world, silent.body, NULL, 1e-3, NULL) == DPT_E_ARGUMENT, "it has no springs");
+    CHECK(dpt_body_get_mean_loads(world, 12345, &load, 1, &count, &seconds) == DPT_E_HANDLE, "no body");
+    CHECK(dpt_body_set_answered_loads(world, 12345, &load, 1) == DPT_E_HANDLE, "no body");
+    CHECK(dpt_body_get_mean_loads(world, tissue.body, NULL, 1, &count, &seconds) == DPT_E_ARGUMENT, "no loads");
+    CHECK(dpt_body_get_mean_loads(world, tissue.body, &load, 1, &count, NULL) == DPT_E_ARGUMENT, "no time");
+    CHECK(dpt_body_set_answered_loads(world, tissue.body, NULL, 1) == DPT_E_ARGUMENT, "no loads");
+    load.vertex = tissue.vertices;
+    CHECK(dpt_body_set_answered_loads(world, tissue.body, &load, 1) == DPT_E_ARGUMENT, "no vertex");
+    load.vertex = 0;
+    load.force[1] = NAN;
+    CHECK(dpt_body_set_answered_loads(world, tissue.body, &load, 1) == DPT_E_FINITE, "no number");
+    tissue_close(&tissue);
+    tissue_close(&silent);
+    free(block);
+}
+
+int main(void)
+{
+    if (!fixture_from_shape(&membrane, "membrane", 648))
+        return check_report();
+    TEST(a_held_tool_is_silent);
+    TEST(wrong_answers_are_held_too);
+    TEST(without_an_answer_it_shakes);
+    TEST(what_is_refused);
+    fixture_free(&membrane);
+    return check_report();
+}
