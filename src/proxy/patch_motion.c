@@ -42,16 +42,6 @@ static double farthest(const struct proxy_tick *tick)
     return length(motion.shift) + tick->proxy->extent * length(motion.turn);
 }
 
-/* Whether the proxy remembers a triangle: it held it or was hit. */
-static int is_remembered(const struct proxy *proxy, const struct patch_side *side, uint32_t triangle)
-{
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == side->body->id &&
-            proxy->memory[i].segment == side->number)
-            return 1;
-    return 0;
-}
-
 /*
  * Hold what a line begins with at a side: those near that the proxy remembers, and the nearest where it is nearer than
  * these. A line that lies on a surface is held by its ends; what touches it between these would hold it as well, but at
@@ -64,7 +54,7 @@ static int hold_along(struct proxy_tick *tick, struct patch_view *view, uint32_t
     for (uint32_t i = 0; i < view->count; i++) {
         const struct patch_triangle *triangle = &view->list[i];
         if (triangle->side != number || !triangle->is_found || triangle->gap > view->near ||
-            !is_remembered(tick->proxy, side, triangle->triangle))
+            !patch_is_remembered(tick->proxy, side, triangle->triangle))
             continue;
         if (!dpti_patch_hold(tick, view, i, reach, hint))
             return 0;

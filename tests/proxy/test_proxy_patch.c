@@ -27,20 +27,30 @@ static const struct instrument {
     const char *name;
     uint32_t count;
     dpt_segment segments[3];
+    uint32_t tips;    /* one, or two side by side */
+    double extent[3]; /* of each: a box */
 } instruments[] = {
-    { "ball of 1 um", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-6 } } },
-    { "ball of 0.1 mm", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-4 } } },
-    { "ball of 1 mm", 1, { { { 0, 0, 0.01 }, { 0, 0, 0.01 }, 1e-3 } } },
-    { "ball of 5 mm", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 5e-3 } } },
-    { "line of 30 mm", 1, { { { 0, 0, 0 }, { 0, 0, 0.03 }, 0 } } },
-    { "needle of 30 mm", 1, { { { 0, 0, -0.01 }, { 0, 0, 0.02 }, 1e-3 } } },
-    { "needle of 0.1 m", 1, { { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } } },
-    { "stepped needle", 2, { { { 0, 0, 0 }, { 0, 0, 0.02 }, 5e-4 }, { { 0, 0, 0.02 }, { 0, 0, 0.1 }, 2e-3 } } },
+    { "ball of 1 um", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-6 } }, 0, { 0 } },
+    { "ball of 0.1 mm", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-4 } }, 0, { 0 } },
+    { "ball of 1 mm", 1, { { { 0, 0, 0.01 }, { 0, 0, 0.01 }, 1e-3 } }, 0, { 0 } },
+    { "ball of 5 mm", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 5e-3 } }, 0, { 0 } },
+    { "line of 30 mm", 1, { { { 0, 0, 0 }, { 0, 0, 0.03 }, 0 } }, 0, { 0 } },
+    { "needle of 30 mm", 1, { { { 0, 0, -0.01 }, { 0, 0, 0.02 }, 1e-3 } }, 0, { 0 } },
+    { "needle of 0.1 m", 1, { { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } }, 0, { 0 } },
+    { "stepped needle",
+      2,
+      { { { 0, 0, 0 }, { 0, 0, 0.02 }, 5e-4 }, { { 0, 0, 0.02 }, { 0, 0, 0.1 }, 2e-3 } },
+      0,
+      { 0 } },
     { "fork",
       3,
       { { { 0, 0, 0 }, { 0, 0, 0.04 }, 2e-3 },
         { { 0, 0, 0 }, { 0.01, 0, -0.01 }, 1e-3 },
-        { { 0, 0, 0 }, { -0.01, 0, -0.01 }, 1e-3 } } },
+        { { 0, 0, 0 }, { -0.01, 0, -0.01 }, 1e-3 } },
+      0,
+      { 0 } },
+    { "blade", 1, { { { 0, 0, 0.01 }, { 0, 0, 0.06 }, 1e-3 } }, 1, { 0.02, 0.001, 0.004 } },
+    { "jaws", 1, { { { 0, 0, 0.01 }, { 0, 0, 0.01 }, 0 } }, 2, { 0.004, 0.003, 0.012 } },
 };
 
 /* What is under the hand: one body at rest, in motion, or two that cross, of which one may be in motion. */
@@ -121,12 +131,62 @@ static const struct patch_triangle *listed_as(const struct patch_view *view, uin
     return NULL;
 }
 
-/* A segment where a pose has it, in a body's frame. */
+/* As a share of a hull's reach: so much farther its corners may be from its axis on the way. */
+#define BENT 1.01
+
+/* The axis of a segment or tip where a pose has it, in a body's frame. */
 static void axis_at(const struct patch_axis *axis, const struct body *body, const struct proxy_pose *at, vec3 *a,
                     vec3 *b)
 {
-    *a = frame_to_local(&body->frame, frame_to_world(&at->frame, axis->segment->a));
-    *b = frame_to_local(&body->frame, frame_to_world(&at->frame, axis->segment->b));
+    const struct part part = axis->part;
+    *a = frame_to_local(&body->frame, frame_to_world(&at->frame, part.tip ? part.tip->hull->axis_a : part.segment->a));
+    *b = frame_to_local(&body->frame, frame_to_world(&at->frame, part.tip ? part.tip->hull->axis_b : part.segment->b));
+}
+
+/* A part of the tool at a time of a motion on which its ends and corners go straight, in a body's frame. */
+struct part_place {
+    double radius, reach;
+    struct hull_place hull; /* its axis, and of a tip all of it */
+};
+
+static struct part_place part_at(const struct patch_axis *axis, const struct body *body, const struct proxy_pose *from,
+                                 const struct proxy_pose *to, double time)
+{
+    struct part_place place = { .radius = part_radius(axis->part), .hull = { .hull = NULL } };
+    struct hull_place *at = &place.hull;
+    vec3 a, b, to_a, to_b;
+    axis_at(axis, body, from, &a, &b);
+    axis_at(axis, body, to, &to_a, &to_b);
+    at->a = along(a, time, sub(to_a, a));
+    at->u = sub(along(b, time, sub(to_b, b)), at->a);
+    if (!axis->part.tip)
+        return place;
+    const struct dpt_hull *hull = at->hull = axis->part.tip->hull;
+    place.reach = BENT * hull->reach;
+    for (uint32_t i = 0; i < hull->corner_count; i++) {
+        const vec3 corner = hull_corner_at(hull, i, &from->frame, &body->frame);
+        at->corner[i] = along(corner, time, sub(hull_corner_at(hull, i, &to->frame, &body->frame), corner));
+    }
+    for (uint32_t f = 0; f < hull->face_count; f++) {
+        const uint8_t *loop = hull->loop + hull->face[f].first;
+        at->normal[f] = unit_of(
+            cross(sub(at->corner[loop[1]], at->corner[loop[0]]), sub(at->corner[loop[2]], at->corner[loop[0]])));
+    }
+    return place;
+}
+
+/* m: how far a triangle is from it; of a tip, where that is more than `within`, some bound of it. */
+static double gap_at(const struct part_place *place, const struct surface *surface, uint32_t t, double within)
+{
+    const double gap =
+        sqrt(dpti_triangle_pair(surface, t, place->hull.a, place->hull.u).distance2) - place->reach - place->radius;
+    struct hull_pair found;
+    vec3 v[3];
+    if (!place->hull.hull || gap > within)
+        return gap;
+    surface_corners(surface, t, v);
+    dpti_hull_triangle(&place->hull, v, HUGE_VAL, &found);
+    return sqrt(found.pair.distance2) - place->radius;
 }
 
 /*
@@ -142,11 +202,9 @@ static void judge_view(const struct proxy_tick *tick, const struct patch_view *v
     for (uint32_t n = 0; n < view->axis_count * tick->world->body_slot_end; n++) {
         const struct patch_axis *axis = &view->axes[n % view->axis_count];
         const struct body *body = &tick->world->bodies[n / view->axis_count];
-        vec3 a, b;
-        axis_at(axis, body, &tick->at, &a, &b);
+        const struct part_place place = part_at(axis, body, &tick->at, &tick->at, 0.0);
         for (uint32_t t = 0; t < surface_triangles(&body->surface); t++) {
-            const double gap =
-                sqrt(dpti_triangle_pair(&body->surface, t, a, sub(b, a)).distance2) - axis->segment->radius;
+            const double gap = gap_at(&place, &body->surface, t, view->reach);
             const struct patch_triangle *listed = listed_as(view, n % view->axis_count, body, t);
             least = fmin(least, gap);
             all.listed += listed != NULL;
@@ -161,37 +219,36 @@ static void judge_view(const struct proxy_tick *tick, const struct patch_view *v
 enum { PLACES = 5 };
 
 /*
- * Of a motion that is proven, a segment and a body: the axis, its ends on straight lines, is never as near to a triangle
+ * Of a motion that is proven, a part and a body: it, its ends and corners on straight lines, is never as near to a triangle
  * as the least gap.
  */
 static void judge_motion(const struct proxy_tick *tick, const struct patch_axis *axis, const struct body *body,
                          const struct proxy_pose *to, const char *name)
 {
     const struct surface *surface = &body->surface;
-    vec3 from_a, from_b, to_a, to_b;
-    axis_at(axis, body, &tick->at, &from_a, &from_b);
-    axis_at(axis, body, to, &to_a, &to_b);
-    for (int place = 0; place < PLACES; place++) {
-        const double time = place / (PLACES - 1.0);
-        const vec3 a = along(from_a, time, sub(to_a, from_a)), b = along(from_b, time, sub(to_b, from_b));
+    for (int k = 0; k < PLACES; k++) {
+        const double time = k / (PLACES - 1.0);
+        const struct part_place place = part_at(axis, body, &tick->at, to, time);
         for (uint32_t t = 0; t < surface_triangles(surface); t++) {
-            const double gap = sqrt(dpti_triangle_pair(surface, t, a, sub(b, a)).distance2) - axis->segment->radius;
+            const double gap = gap_at(&place, surface, t, tick->min_gap);
             CHECK(gap >= tick->min_gap, "%s: at %g of a proven motion, %g from triangle %u", name, time, gap, t);
         }
     }
 }
 
-/* The same between these times: a sweep past each triangle by itself meets nothing. */
+/* The same of a segment between these times: a sweep past each triangle by itself meets nothing. */
 static void judge_sweep(const struct proxy_tick *tick, const struct patch_axis *axis, const struct body *body,
                         const struct proxy_pose *to, const char *name)
 {
     const struct surface *surface = &body->surface;
     vec3 a, b, to_a, to_b;
+    if (axis->part.tip)
+        return;
     axis_at(axis, body, &tick->at, &a, &b);
     axis_at(axis, body, to, &to_a, &to_b);
     const struct motion motion = { a, b, sub(to_a, a), sub(to_b, b) };
     struct sweep sweep;
-    dpti_sweep_begin(&sweep, &motion, axis->segment->radius + tick->min_gap, 0.0, dpti_surface_extent(surface));
+    dpti_sweep_begin(&sweep, &motion, axis->part.segment->radius + tick->min_gap, 0.0, dpti_surface_extent(surface));
     for (uint32_t t = 0; t < surface_triangles(surface); t++) {
         struct moving_triangle triangle = { .is_moving = 0 };
         uint32_t evaluations = 0;
@@ -269,16 +326,40 @@ static void judge(const struct rig *rig, uint64_t *seed, const char *name)
     *rig->world->proxies = before;
 }
 
+/* Boxes: one at the tool's origin, or two, one beside the other. The hull lies in the block. */
+static void give_tips(struct rig *rig, const struct instrument *instrument, uint64_t *block, uint64_t bytes)
+{
+    double corners[3 * DPT_HULL_CORNERS_MAX];
+    dpt_hull_shape shape = { .size = sizeof shape, .kind = DPT_HULL_KIND_BOX };
+    dpt_hull_def def = { .size = sizeof def, .corners = corners };
+    dpt_tip tips[2] = { { .size = sizeof *tips }, { .size = sizeof *tips } };
+    if (!instrument->tips)
+        return;
+    memcpy(shape.extent, instrument->extent, sizeof shape.extent);
+    CHECK(dpt_hull_shape_corners(&shape, corners, DPT_HULL_CORNERS_MAX, &def.corner_count) == DPT_OK &&
+              dpt_hull_create(block, bytes, &def, &tips[0].hull) == DPT_OK,
+          "no hull");
+    tips[1].hull = tips[0].hull;
+    CHECK(dpt_tool_set_tips(rig->world, rig->tool, tips, instrument->tips) == DPT_OK, "no tips");
+    for (uint32_t i = 0; i < instrument->tips && instrument->tips > 1; i++) {
+        dpt_pose pose = DPT_POSE_IDENTITY;
+        pose.position[0] = i ? 0.003 : -0.003;
+        CHECK(dpt_tool_set_tip_pose(rig->world, rig->tool, i, &pose) == DPT_OK, "no pose");
+    }
+}
+
 /* Returns the bodies of the scene. */
 static void open_rig(struct rig *rig, const struct subject *subject, const struct instrument *instrument, int scene,
                      double friction, uint32_t kernel, dpt_body bodies[2])
 {
+    static uint64_t block[2048];
     dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.kernel = kernel;
     dpt_body_settings settings = { .size = sizeof settings };
     dpt_pose aside = DPT_POSE_IDENTITY;
     def.max_contacts = 0;
     rig_open(rig, &def, subject->fixture.mesh, instrument->segments, instrument->count);
+    give_tips(rig, instrument, block, sizeof block);
     bodies[0] = bodies[1] = rig->body;
     for (int k = 0; k < 3; k++)
         aside.position[k] = 2e-3 * (k + 1);
@@ -303,7 +384,7 @@ static void complete_on(const struct subject *subject, const struct instrument *
     struct hand hand;
     struct rig rig;
     dpt_body bodies[2];
-    double last[PATCH_BODIES * 3] = { 0 };
+    double last[PATCH_BODIES * 3] = { 0 }; /* of the segments */
     char name[80];
     snprintf(name, sizeof name, "%s, %s, %s", subject->shape, instrument->name, scenes[scene]);
     open_rig(&rig, subject, instrument, scene, 0.0, DPT_KERNEL_AUTO, bodies);
