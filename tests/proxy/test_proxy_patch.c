@@ -385,9 +385,18 @@ static struct {
 #define CONVERGED 6e-4
 #define SAME      1e-3
 
-/* The same of what rubs on a body that moves: without patches the tool goes there by other motions, and friction tells. */
+/*
+ * The same of what rubs on a body that moves at several places at once: without patches the tool goes there by other
+ * motions. Where it may come to rest is a whole region then, and its way tells where in that it does.
+ */
 #define CONVERGED_RUBBED 6e-3
 #define SAME_RUBBED      1e-2
+
+/* Whether what holds a tool is more than one place, by either world. */
+static int is_held_by_several(const struct rig *with, const struct rig *without)
+{
+    return with->world->load_count > 1 || without->world->load_count > 1;
+}
 
 /* Whether a tick ended before the proxy arrived. */
 static int is_under_way(const struct rig *rig)
@@ -396,8 +405,9 @@ static int is_under_way(const struct rig *rig)
 }
 
 static void compare(const struct rig *with, const struct rig *without, const struct subject *subject, int scene,
-                    int is_rubbed)
+                    int is_dragged)
 {
+    const int is_rubbed = is_dragged && is_held_by_several(with, without);
     const double size = length3(with->force.wrench.force), energy = without->force.energy;
     if (with->force.reason != DPT_FORCE_ACTS)
         return;
