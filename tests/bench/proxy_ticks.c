@@ -10,6 +10,7 @@
  *     poke   in and out by 5 mm, at one place after another
  *     move   as wipe, but the tool rests and the mesh moves
  *     twin   as wipe, over two meshes: the second one is moved by some mm, so that each is outside in places
+ *     sway   as twin, but the second mesh goes to and fro by 2 mm, once in a second
  *
  * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of
  * REPEATS runs; then the sum of all forces, N: two builds that feel the same print the same.
@@ -27,10 +28,10 @@
 #include "lib/solid.h"
 #include "timing.h"
 
-enum { OPEN, REST, WIPE, FAST, POKE, MOVE, TWIN, MOTIONS };
+enum { OPEN, REST, WIPE, FAST, POKE, MOVE, TWIN, SWAY, MOTIONS };
 enum { BALL, LINE, FORK, BLADE, PLATE, CONE, TOOLS };
 
-static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke", "move", "twin" };
+static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke", "move", "twin", "sway" };
 
 static const struct {
     const char *name;
@@ -192,7 +193,7 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
     if (dpt_body_set_settings(world, body, &settings))
         fail("no settings");
     memcpy(place.position, aside, sizeof aside);
-    if (motion == TWIN &&
+    if ((motion == TWIN || motion == SWAY) &&
         (dpt_body_add(world, solid->mesh, &place, &body) || dpt_body_set_settings(world, body, &settings)))
         fail("no second body");
     solid_random_place(solid, &hand.seed, hand.next, hand.next_out);
@@ -202,8 +203,10 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
         hand_pose(&hand, tick, &pose);
         if (motion == MOVE)
             exchange(&pose, &place);
+        if (motion == SWAY)
+            place.position[0] = aside[0] + 2e-3 * sin(6.2831853e-3 * tick);
         const double begin = processor_time();
-        if (motion == MOVE && dpt_body_set_pose(world, body, &place))
+        if ((motion == MOVE || motion == SWAY) && dpt_body_set_pose(world, body, &place))
             fail("no place");
         if (tick ? dpt_tool_set_pose(world, handle, &pose) : dpt_tool_teleport(world, handle, &pose))
             fail("no pose");
