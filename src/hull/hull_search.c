@@ -10,7 +10,8 @@
 
 #include <string.h>
 
-enum { DIRECTIONS = HULL_RANGE_PLANES };
+enum { DIRECTIONS = HULL_PLANES };
+typedef char planes_fit[(int)HULL_PLANES == (int)HULL_RANGE_PLANES ? 1 : -1];
 
 struct hull_query {
     const struct surface *surface;
@@ -37,15 +38,13 @@ double dpti_hull_error(const struct hull_place *place, const struct surface *sur
     return DISTANCE_ERROR * max_of(extent, dpti_surface_extent(surface));
 }
 
-/* Planes across the best pair, and along the hull's faces that face the surface most. */
-static void set_planes(struct hull_query *query)
+void dpti_hull_planes(const struct hull_place *place, vec3 toward, vec3 planes[HULL_PLANES],
+                      double supports[HULL_PLANES])
 {
-    const struct hull_place *place = query->place;
     const struct dpt_hull *hull = place->hull;
-    const vec3 toward = scaled(query->nearest->found.pair.gap, -1.0);
-    uint32_t face[DIRECTIONS] = { DPT_NONE, DPT_NONE, DPT_NONE, DPT_NONE };
-    query->planes[0] = unit_of(toward);
-    for (int i = 1; i < DIRECTIONS; i++) {
+    uint32_t face[HULL_PLANES] = { DPT_NONE, DPT_NONE, DPT_NONE, DPT_NONE };
+    planes[0] = unit_of(toward);
+    for (int i = 1; i < HULL_PLANES; i++) {
         double max = -HUGE_VAL;
         for (uint32_t f = 0; f < hull->face_count; f++) {
             const int is_used = f == face[1] || f == face[2];
@@ -55,10 +54,16 @@ static void set_planes(struct hull_query *query)
                 face[i] = f;
             }
         }
-        query->planes[i] = face[i] == DPT_NONE ? query->planes[0] : place->normal[face[i]];
+        planes[i] = face[i] == DPT_NONE ? planes[0] : place->normal[face[i]];
     }
-    for (int i = 0; i < DIRECTIONS; i++)
-        query->supports[i] = support_of(place->corner, hull->corner_count, query->planes[i]);
+    for (int i = 0; i < HULL_PLANES; i++)
+        supports[i] = support_of(place->corner, hull->corner_count, planes[i]);
+}
+
+/* Planes across the best pair, and along the hull's faces that face the surface most. */
+static void set_planes(struct hull_query *query)
+{
+    dpti_hull_planes(query->place, scaled(query->nearest->found.pair.gap, -1.0), query->planes, query->supports);
     query->has_planes = 1;
 }
 

@@ -6,6 +6,13 @@
 #include "hull/hull_triangle.h"
 #include "nearest/bvh.h"
 
+/* So many planes rule out what is not near a hull. */
+enum { HULL_PLANES = 4 };
+
+/* The normals of these, unit: along `toward`, from the hull to the surface, and of the faces that look that way most. */
+void dpti_hull_planes(const struct hull_place *place, vec3 toward, vec3 planes[HULL_PLANES],
+                      double supports[HULL_PLANES]);
+
 /* The nearest pair of a hull and a surface, in the surface's frame. */
 struct hull_nearest {
     struct hull_pair found;

@@ -519,6 +519,12 @@ static int find_best(const struct hull_place *place, const struct ball *ball, do
     return 1;
 }
 
+int dpti_hull_triangle_apart(const struct hull_place *place, const vec3 v[3], double limit, struct hull_pair *found)
+{
+    const struct ball ball = ball_of(v);
+    return find_best(place, &ball, limit, found);
+}
+
 /* What rounding of the features may add to the upper bound: shares of the bound and of the largest coordinate. */
 #define BOUND_SPARE    1e-6
 #define BOUND_ROUNDING 0x1p-40

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/patch_constraints.h"
 
+#include "hull/hull_pass.h"
+#include "proxy/patch_tips.h"
 #include "proxy/proxy_constraints.h"
 
 /* As shares of the clearance: a plane must leave that much between a ball and what is behind it, and beside a line. */
@@ -24,7 +26,7 @@
 static int face_plane(const struct proxy_tick *tick, const struct patch_side *side,
                       const struct patch_triangle *triangle, vec3 motion, pair *plane, double *distance)
 {
-    const double *weight = triangle->found.weight, radius = side->segment->radius;
+    const double *weight = triangle->found.weight, radius = side->radius;
     vec3 v[3];
     if (!triangle->has_face || (weight[0] > 0.0 && weight[1] > 0.0 && weight[2] > 0.0))
         return 0;
@@ -64,7 +66,7 @@ static int hold_ball(struct proxy_tick *tick, const struct patch_side *side, str
     pair plane = triangle->found;
     double distance = sqrt(plane.distance2);
     face_plane(tick, side, triangle, frame_turn_back(frame, motion), &plane, &distance);
-    const double gap = distance - side->segment->radius;
+    const double gap = distance - side->radius;
     if (has_twin(tick, frame_turn(frame, scaled(plane.gap, 1.0 / distance)), gap))
         return 1;
     if (tick->space_count == HALF_SPACES_MAX)
@@ -80,14 +82,17 @@ int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i
 {
     struct patch_triangle *triangle = &view->list[i];
     const struct patch_side *side = patch_side_of(view, triangle);
-    dpti_patch_find(tick->world, view, triangle);
     triangle->is_held = 1;
     triangle->space = HALF_SPACES_MAX;
-    if (!(triangle->found.distance2 > 0.0))
-        return 0;
+    if (!side->tip) {
+        dpti_patch_find(tick->world, view, triangle);
+        if (!(triangle->found.distance2 > 0.0))
+            return 0;
+    }
     if (view->is_ball)
         return hold_ball(tick, side, triangle, motion);
-    if (tick->space_count + PROXY_GATHERED_MAX > HALF_SPACES_MAX)
+    /* A tip's pairs that are the nearest ones take the place of others, where there is no room. */
+    if (side->tip ? tick->triangle_count == HALF_SPACES_MAX : tick->space_count + PROXY_GATHERED_MAX > HALF_SPACES_MAX)
         return 0;
     tick->triangles[tick->triangle_count++] =
         (struct proxy_triangle){ .segment = side->number, .body_id = side->body->id, .triangle = triangle->triangle };
@@ -124,23 +129,64 @@ struct trial {
     double moved; /* m: no point of the axis goes farther */
     double kept;  /* m: so far the axis must stay in front of a plane */
     uint32_t plane_count;
-    vec3 normal[HALF_SPACE_DIMENSIONS]; /* of the planes that hold */
-    vec3 down[HALF_SPACE_DIMENSIONS];   /* the other way */
-    struct sweep sweep;                 /* if is_swept */
+    vec3 normal[HALF_SPACE_DIMENSIONS];           /* of the planes that hold */
+    vec3 down[HALF_SPACE_DIMENSIONS];             /* the other way */
+    struct hull_turn turn[HALF_SPACE_DIMENSIONS]; /* of a tip: these planes, which turn with what holds it */
+    struct hull_pass pass;                        /* of a tip */
+    struct frame to;                              /* of the tool, at the end */
+    struct sweep sweep;                           /* if is_swept */
     int is_swept;
     double met; /* the time at which what was swept past last is met */
 };
+
+/* The normal of a tip's constraint at the end of the motion, in the body's frame; as at the start where there is none. */
+static vec3 normal_at_end(const struct proxy_tick *tick, const struct trial *trial, uint32_t k)
+{
+    const struct patch_side *side = trial->side;
+    const uint32_t space = tick->solved.active[k];
+    const struct proxy_triangle *held = &tick->triangles[tick->sources[space].triangle];
+    const uint32_t feature = (uint32_t)tick->sources[space].feature;
+    struct hull_place place;
+    struct hull_pair found;
+    vec3 v[3];
+    if (held->segment != side->number || held->body_id != side->body->id)
+        return trial->normal[k];
+    surface_corners(&side->body->surface, held->triangle, v);
+    dpti_hull_place_feature(&place, side->part.tip->hull, feature, &trial->to, &side->body->frame);
+    return dpti_hull_feature(&place, feature, v, &found) && found.pair.distance2 > 0.0 ? unit_of(found.pair.gap)
+                                                                                       : trial->normal[k];
+}
+
+static void set_turns(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial)
+{
+    const struct patch_side *side = trial->side;
+    trial->pass = (struct hull_pass){ .hull = side->part.tip->hull,
+                                      .from = &view->placed,
+                                      .to = &trial->to,
+                                      .body = &side->body->frame,
+                                      .corner = side->tip->corner,
+                                      .moved = trial->moved,
+                                      .apart = trial->kept };
+    for (uint32_t k = 0; k < trial->plane_count; k++)
+        trial->turn[k] = dpti_hull_turn_of(&trial->pass, trial->normal[k], normal_at_end(tick, trial, k));
+}
 
 static void trial_set(const struct proxy_tick *tick, const struct patch_view *view, const struct patch_side *side,
                       const struct proxy_pose *to, struct trial *trial)
 {
     const struct frame *body = &side->body->frame;
-    const vec3 a = frame_to_local(body, frame_to_world(&to->frame, side->segment->a));
-    const vec3 b = view->is_ball ? a : frame_to_local(body, frame_to_world(&to->frame, side->segment->b));
+    const struct dpt_hull *hull = side->tip ? side->part.tip->hull : NULL;
+    const vec3 a = frame_to_local(body, frame_to_world(&to->frame, hull ? hull->axis_a : side->part.segment->a));
+    const vec3 b = view->is_ball
+                       ? a
+                       : frame_to_local(body, frame_to_world(&to->frame, hull ? hull->axis_b : side->part.segment->b));
     trial->side = side;
+    trial->to = to->frame;
     trial->moved = max_of(length(sub(a, side->a)), length(sub(b, add(side->a, side->u))));
-    trial->kept = side->segment->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance;
-    trial->way = dpti_patch_way(side, view->is_ball, a, b, trial->moved + trial->kept);
+    if (hull)
+        trial->moved = dpti_patch_tip_lead(side, &to->frame);
+    trial->kept = side->radius + (view->is_ball ? CERTIFIED : CERTIFIED_LINE) * tick->clearance;
+    trial->way = dpti_patch_way(side, view->is_ball, a, b, trial->moved + trial->kept + side->spread);
     trial->is_swept = 0;
     trial->met = 0.0;
     trial->plane_count = tick->solved.active_count;
@@ -148,6 +194,8 @@ static void trial_set(const struct proxy_tick *tick, const struct patch_view *vi
         trial->normal[k] = frame_turn_back(body, vec3_of(tick->spaces[tick->solved.active[k]].normal));
         trial->down[k] = scaled(trial->normal[k], -1.0);
     }
+    if (hull)
+        set_turns(tick, view, trial);
 }
 
 /* Whether a ball stays in front of a triangle's own plane; looked at before the triangle's corners are. */
@@ -157,11 +205,25 @@ static int stays_in_front(const struct trial *trial, const struct patch_triangle
     return min_of(dot(normal, trial->way.a[0]), dot(normal, trial->way.a[1])) - triangle->height >= trial->kept;
 }
 
+/* The same of a tip. */
+static int tip_is_in_front(const struct trial *trial, const struct patch_triangle *triangle)
+{
+    const struct patch_side *side = trial->side;
+    vec3 v[3];
+    surface_corners(&side->body->surface, triangle->triangle, v);
+    for (uint32_t k = 0; k < trial->plane_count; k++)
+        if (dpti_hull_turn_parts(&trial->turn[k], v, trial->kept))
+            return 1;
+    return hull_height(side->tip->corner, 2 * side->part.tip->hull->corner_count, triangle->normal, v) >= trial->kept;
+}
+
 /* Whether planes that hold, or the triangle's own, prove that it is in nobody's way. */
 static int is_behind_plane(const struct trial *trial, const struct patch_triangle *triangle)
 {
     vec3 v[3];
     double part[2];
+    if (trial->side->tip)
+        return tip_is_in_front(trial, triangle);
     surface_corners(&trial->side->body->surface, triangle->triangle, v);
     if (!patch_part_beside(&trial->way, v, part) || patch_height(&trial->way, triangle->normal, part, v) >= trial->kept)
         return 1;
@@ -226,10 +288,25 @@ static int look_at_end(const struct proxy_tick *tick, const struct trial *trial,
                                                                                                  : END_UNKNOWN;
 }
 
+/* Of a tip: whether a plane, which may turn, keeps it away from a triangle in doubt. */
+static int tip_passes(const struct proxy_tick *tick, const struct trial *trial, struct patch_triangle *triangle)
+{
+    vec3 v[3], n = scaled(triangle->normal, -1.0);
+    surface_corners(&trial->side->body->surface, triangle->triangle, v);
+    work_spend(&tick->world->work, 1);
+    if (!(triangle->is_held || dpti_hull_ends_apart(&trial->pass, v, &n)) || !dpti_hull_passes(&trial->pass, v, &n))
+        return 0;
+    if (dot(n, n) > 0.0)
+        triangle->normal = scaled(n, -1.0);
+    return 1;
+}
+
 /* The same of one in doubt: beside a line by where it is at the end; by its nearest pair; beside a line by a sweep. */
 static int is_proven_clear(const struct proxy_tick *tick, const struct patch_view *view, struct trial *trial,
                            struct patch_triangle *triangle)
 {
+    if (trial->side->tip)
+        return tip_passes(tick, trial, triangle);
     if (!view->is_ball) {
         const int end = look_at_end(tick, trial, triangle);
         /* Of one that is held already, a sweep tells when it is met. */
@@ -280,7 +357,9 @@ static struct doubt doubt_of(const struct patch_view *view, const struct trial *
     vec3 v[3];
     surface_corners(&trial->side->body->surface, view->list[i].triangle, v);
     patch_part_beside(&trial->way, v, part);
-    return (struct doubt){ i, { part[1], 1.0 - part[0], patch_height(&trial->way, view->list[i].normal, part, v) } };
+    const double height =
+        trial->side->tip ? view->list[i].gap : patch_height(&trial->way, view->list[i].normal, part, v);
+    return (struct doubt){ i, { part[1], 1.0 - part[0], height } };
 }
 
 /*

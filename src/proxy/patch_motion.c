@@ -42,16 +42,6 @@ static double farthest(const struct proxy_tick *tick)
     return length(motion.shift) + tick->proxy->extent * length(motion.turn);
 }
 
-/* Whether the proxy remembers a triangle: it held it or was hit. */
-static int is_remembered(const struct proxy *proxy, const struct patch_side *side, uint32_t triangle)
-{
-    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
-        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == side->body->id &&
-            proxy->memory[i].segment == side->number)
-            return 1;
-    return 0;
-}
-
 /*
  * Hold what a line begins with at a side: those near that the proxy remembers, and the nearest where it is nearer than
  * these. A line that lies on a surface is held by its ends; what touches it between these would hold it as well, but at
@@ -64,7 +54,7 @@ static int hold_along(struct proxy_tick *tick, struct patch_view *view, uint32_t
     for (uint32_t i = 0; i < view->count; i++) {
         const struct patch_triangle *triangle = &view->list[i];
         if (triangle->side != number || !triangle->is_found || triangle->gap > view->near ||
-            !is_remembered(tick->proxy, side, triangle->triangle))
+            !patch_is_remembered(tick->proxy, side, triangle->triangle))
             continue;
         if (!dpti_patch_hold(tick, view, i, reach, hint))
             return 0;
@@ -262,6 +252,7 @@ struct start {
     double gap, allowed;
     double carried; /* m: so far it went */
     int is_before;
+    int is_past; /* other bodies were near */
 };
 
 /* m: the length of the way from one pose to another. */
@@ -286,10 +277,13 @@ static void go_back(struct proxy_tick *tick, const struct start *start, double *
  */
 static int carry(struct proxy_tick *tick, const struct body *body, double *allowed, struct start *start)
 {
-    *start = (struct start){ tick->at, tick->gap, *allowed, 0.0, tick->is_before };
+    *start = (struct start){ tick->at, tick->gap, *allowed, 0.0, tick->is_before, 0 };
     if (!tick->is_before)
         return 1;
-    if (tick->has_end || !dpti_proxy_carry_alone(tick, body))
+    if (tick->has_end)
+        return 0;
+    start->is_past = !dpti_proxy_carry_alone(tick, body);
+    if (start->is_past && !dpti_proxy_carry_past(tick, body))
         return 0;
     start->carried = way_between(tick, &start->at, &tick->at);
     *allowed -= start->carried;
@@ -311,6 +305,11 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
         return 0;
     const double ahead = proxy->shape == PROXY_BALL ? LOOK_AHEAD : LOOK_AHEAD_LINE;
     double reach = ahead * max_of(proxy->last_motion, start.carried) + view.near;
+    /* A sweep past other bodies leaves no gap to them. */
+    if (start.is_past && !(dpti_patch_look(tick, &view, reach) && tick->gap >= tick->min_gap)) {
+        go_back(tick, &start, allowed);
+        return 0;
+    }
     proxy->owed = 0.0;
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {

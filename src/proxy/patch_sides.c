@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/patch_sides.h"
 
+#include "proxy/patch_tips.h"
+
 enum { BYTES_PATCH = 1984 };
 typedef char patch_fits[sizeof(struct proxy_patch) <= BYTES_PATCH ? 1 : -1];
 
@@ -13,13 +15,13 @@ typedef char patch_fits[sizeof(struct proxy_patch) <= BYTES_PATCH ? 1 : -1];
 
 uint64_t dpti_patch_bytes(const dpt_world_def *def)
 {
-    return BYTES_PATCH * PATCH_BODIES * (uint64_t)def->max_segments;
+    return BYTES_PATCH * PATCH_BODIES * ((uint64_t)def->max_segments + def->max_tips);
 }
 
 void dpti_patches_forget(const struct dpt_world *world, const struct tool *tool)
 {
-    for (uint32_t i = 0; i < PATCH_BODIES * tool->segment_count; i++) {
-        struct proxy_patch *patch = &patches_of(world, tool->first_segment)[i];
+    for (uint32_t i = 0; i < PATCH_BODIES * tool_part_count(tool); i++) {
+        struct proxy_patch *patch = &patches_of_part(world, tool_part(world, tool, i / PATCH_BODIES))[i % PATCH_BODIES];
         patch->reach = patch->spare = 0.0;
         patch->crowded = 0;
         patch->body_id = patch->still.body_id = 0;
@@ -36,6 +38,8 @@ double dpti_patch_place_side(const struct patch_view *view, struct patch_side *s
     if (view->is_ball)
         return length(sub(side->a, a));
     side->u = sub(frame_to_local(body, axis->b), side->a);
+    if (side->tip)
+        return dpti_patch_tip_place(side, &view->placed);
     return max_of(length(sub(side->a, a)), length(sub(add(side->a, side->u), b)));
 }
 
@@ -85,29 +89,34 @@ static int cover(struct dpt_world *world, const struct patch_side *side, double 
 }
 
 /*
- * The sides within reach: one of each segment and each body whose box is so near. *others: no other body has a gap below
+ * The sides within reach: one of each segment or tip and each body whose box is so near. *others: no other body has a gap below
  * that, m. Returns 0 if there are too many, or one is of a body that deforms.
  */
 static int list_sides(const struct dpt_world *world, struct patch_view *view, double reach, double *others)
 {
     *others = HUGE_VAL;
-    view->side_count = 0;
+    view->side_count = view->tip_count = 0;
     for (uint32_t i = 0; i < view->axis_count; i++) {
         const struct patch_axis *axis = &view->axes[i];
         const struct box box = box_of_axis(axis->a, axis->b);
+        const double radius = part_radius(axis->part), spread = axis->part.tip ? axis->part.tip->hull->reach : 0.0;
         for (uint32_t slot = 0; slot < world->body_slot_end; slot++) {
             const struct body *body = &world->bodies[slot];
-            const double gap = box_distance(&box, &world->boxes[slot]) - axis->segment->radius;
+            const double gap = box_distance(&box, &world->boxes[slot]) - spread - radius;
             if (!body_is_there(body))
                 continue;
             if (gap > reach) {
                 *others = min_of(*others, gap);
                 continue;
             }
-            if (body->surface.motion || view->side_count == PATCH_SIDES_MAX)
+            if (body->surface.motion || view->side_count == PATCH_SIDES_MAX ||
+                (axis->part.tip && view->tip_count == PATCH_TIP_SIDES_MAX))
                 return 0;
             struct patch_side *side = &view->sides[view->side_count++];
-            side->segment = axis->segment;
+            side->part = axis->part;
+            side->tip = axis->part.tip ? &view->tips[view->tip_count++] : NULL;
+            side->radius = radius;
+            side->spread = spread;
             side->body = body;
             side->number = i;
             side->nearest = PATCH_TRIANGLES_MAX;
@@ -135,7 +144,7 @@ static int share_patches(const struct dpt_world *world, struct patch_view *view)
     for (int is_new = 0; is_new < 2; is_new++)
         for (uint32_t i = 0; i < view->side_count; i++) {
             struct patch_side *side = &view->sides[i];
-            struct proxy_patch *patches = patches_of(world, (uint32_t)(side->segment - world->segments));
+            struct proxy_patch *patches = patches_of_part(world, side->part);
             for (int k = 0; k < PATCH_BODIES && !side->patch; k++)
                 if (!is_taken(view, &patches[k]) && (is_new || patches[k].body_id == side->body->id))
                     side->patch = &patches[k];
@@ -149,7 +158,7 @@ static int share_patches(const struct dpt_world *world, struct patch_view *view)
 static int cover_all(struct dpt_world *world, const struct patch_view *view, double reach)
 {
     for (uint32_t i = 0; i < view->side_count; i++)
-        if (!cover(world, &view->sides[i], view->sides[i].segment->radius + reach, reach))
+        if (!cover(world, &view->sides[i], view->sides[i].spread + view->sides[i].radius + reach, reach))
             return 0;
     return 1;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Which segments of a tool are beside which bodies, and the patch of each such pair, which is kept from tick to tick:
+ * Which segments and tips of a tool are beside which bodies, and the patch of each such pair, which is kept from tick to tick:
  * docs/algorithms/patch.md.
  */
 #ifndef DPT_PATCH_SIDES_H
@@ -14,7 +14,14 @@ uint64_t dpti_patch_bytes(const dpt_world_def *def);
 /* Those of a segment; of a tool its first segment's are the first. */
 static inline struct proxy_patch *patches_of(const struct dpt_world *world, uint32_t segment)
 {
-    return &world->patches[PATCH_BODIES * segment];
+    return &world->patches[PATCH_BODIES * (size_t)segment];
+}
+
+/* Those of a segment or tip. */
+static inline struct proxy_patch *patches_of_part(const struct dpt_world *world, struct part part)
+{
+    return patches_of(world, part.tip ? world->def.max_segments + (uint32_t)(part.tip - world->tips)
+                                      : (uint32_t)(part.segment - world->segments));
 }
 
 /* Those of a tool begin anew, as if they had never been used. */
@@ -29,7 +36,7 @@ void dpti_patches_forget(const struct dpt_world *world, const struct tool *tool)
 double dpti_patch_find_sides(struct dpt_world *world, struct patch_view *view, double reach, double least,
                              double *others);
 
-/* Put the axis of a side, in its body's frame, where the view has it. Returns how far it moved, m. */
+/* Put the axis of a side, and its tip, in the body's frame where the view has it. Returns how far it moved, m. */
 double dpti_patch_place_side(const struct patch_view *view, struct patch_side *side);
 
 /* m: how far the axis is from that about which the patch lies. */

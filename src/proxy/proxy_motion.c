@@ -324,6 +324,26 @@ int dpti_proxy_carry_alone(struct proxy_tick *tick, const struct body *body)
     return 1;
 }
 
+int dpti_proxy_carry_past(struct proxy_tick *tick, const struct body *body)
+{
+    const struct dpt_world *world = tick->world;
+    struct proxy_pose to = tick->at;
+    for (uint32_t slot = 0; slot < world->body_slot_end; slot++)
+        if (body_is_there(&world->bodies[slot]) && world->bodies[slot].static_friction > 0.0)
+            return 0;
+    if (body_has_moved(world, body)) {
+        const dpt_pose pose = carried_pose(tick, body);
+        to = dpti_proxy_pose_of(tick->proxy, &pose);
+    }
+    if (sweep_tool(tick, &to, handle_index(body->id)).status != SWEEP_FREE)
+        return 0;
+    tick->at = to;
+    tick->gap = min_of(tick->gap, tick->clearance);
+    tick->is_before = 0;
+    tick->is_lost = 1;
+    return 1;
+}
+
 /*
  * Move with a body, as if fixed to it: it need not be swept itself. With no other body near, its gap stays as it was.
  */

@@ -31,4 +31,10 @@ int dpti_proxy_carry(struct proxy_tick *tick);
  */
 int dpti_proxy_carry_alone(struct proxy_tick *tick, const struct body *body);
 
+/*
+ * The same where other bodies are near, by a sweep past them; what gap it leaves to them is not known. Returns 0, and it
+ * stays where it is, if one is met, or a body has friction: what sticks to another body would slip unseen.
+ */
+int dpti_proxy_carry_past(struct proxy_tick *tick, const struct body *body);
+
 #endif

@@ -2,6 +2,7 @@
 #include "proxy/proxy_patch.h"
 
 #include "proxy/patch_sides.h"
+#include "proxy/patch_tips.h"
 #include "sweep/sweep_mesh.h"
 #include "track/body_search.h"
 
@@ -17,6 +18,9 @@ enum { BODIES_MAX = 16 };
 
 /* As a multiple of the clearance: beside a line no farther triangles are listed before a motion may meet them. */
 #define LISTED_LINE 400.0
+
+/* With tips a longer way is left to sweeps, which are cheaper there. */
+#define REACH_TIPS 400.0
 
 static int is_same(vec3 a, vec3 b)
 {
@@ -55,30 +59,33 @@ static const struct body *nearest_body(const struct dpt_world *world, const stru
 {
     const struct body *nearest = NULL;
     double least = HUGE_VAL;
-    for (uint32_t i = 0; i < tool->segment_count; i++) {
-        const struct segment *segment = &world->segments[tool->first_segment + i];
-        const double gap = segment->result.lower_bound - segment->radius;
-        if (!segment->answer.body || (nearest && !(gap < least)))
+    for (uint32_t i = 0; i < tool_part_count(tool); i++) {
+        const struct part part = tool_part(world, tool, i);
+        const struct part_nearest known = part_nearest(part);
+        const double gap = known.lower_bound - part_radius(part);
+        if (!known.body || (nearest && !(gap < least)))
             continue;
-        nearest = segment->answer.body;
+        nearest = known.body;
         least = gap;
     }
     return nearest;
 }
 
-/* The ends of a segment where the tool is at a pose. */
-static void ends_at(const struct patch_view *view, const struct segment *segment, const struct proxy_pose *at, vec3 *a,
-                    vec3 *b)
+/* The ends of a segment, or of a tip's axis, where the tool is at a pose. */
+static void ends_at(const struct patch_view *view, struct part part, const struct proxy_pose *at, vec3 *a, vec3 *b)
 {
-    *a = frame_to_world(&at->frame, segment->a);
-    *b = view->is_ball ? *a : frame_to_world(&at->frame, segment->b);
+    *a = frame_to_world(&at->frame, part.tip ? part.tip->hull->axis_a : part.segment->a);
+    *b = view->is_ball ? *a : frame_to_world(&at->frame, part.tip ? part.tip->hull->axis_b : part.segment->b);
 }
 
-/* m: how far the farther end went. */
-static double way_of_ends(const struct patch_view *view, vec3 a, vec3 b, vec3 to_a, vec3 to_b)
+/* m: how far the farther end went, or any corner of a tip. */
+static double way_of_part(const struct patch_view *view, const struct patch_axis *axis, const struct proxy_pose *to,
+                          vec3 to_a, vec3 to_b)
 {
-    const double way = length(sub(to_a, a));
-    return view->is_ball ? way : max_of(way, length(sub(to_b, b)));
+    if (axis->part.tip)
+        return dpti_patch_tip_moved(axis->part.tip, &view->placed, &to->frame);
+    const double way = length(sub(to_a, axis->a));
+    return view->is_ball ? way : max_of(way, length(sub(to_b, axis->b)));
 }
 
 /* Put the axes where the tool is. Returns how far they moved, m. */
@@ -87,10 +94,13 @@ static double place_axes(struct patch_view *view, const struct proxy_pose *at)
     double moved = 0.0;
     for (uint32_t i = 0; i < view->axis_count; i++) {
         struct patch_axis *axis = &view->axes[i];
-        const vec3 a = axis->a, b = axis->b;
-        ends_at(view, axis->segment, at, &axis->a, &axis->b);
-        moved = max_of(moved, way_of_ends(view, a, b, axis->a, axis->b));
+        vec3 a, b;
+        ends_at(view, axis->part, at, &a, &b);
+        moved = max_of(moved, way_of_part(view, axis, at, a, b));
+        axis->a = a;
+        axis->b = b;
     }
+    view->placed = at->frame;
     return moved;
 }
 
@@ -100,8 +110,8 @@ double dpti_patch_moved(const struct patch_view *view, const struct proxy_pose *
     for (uint32_t i = 0; i < view->axis_count; i++) {
         const struct patch_axis *axis = &view->axes[i];
         vec3 a, b;
-        ends_at(view, axis->segment, to, &a, &b);
-        moved = max_of(moved, way_of_ends(view, axis->a, axis->b, a, b));
+        ends_at(view, axis->part, to, &a, &b);
+        moved = max_of(moved, way_of_part(view, axis, to, a, b));
     }
     return moved;
 }
@@ -111,7 +121,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     const struct dpt_world *world = tick->world;
     const struct tool *tool = tick->tool;
     view->first = patches_of(world, tool->first_segment);
-    if (tool->segment_count > PATCH_AXES_MAX || tool->tip_count || tick->proxy->state != PROXY_OUTSIDE ||
+    if (tool_part_count(tool) > PATCH_AXES_MAX || tick->proxy->state != PROXY_OUTSIDE ||
         !(tick->gap >= 0.5 * tick->min_gap) || view->first->is_off || world->def.method != DPT_METHOD_EXACT ||
         world->body_slot_end > BODIES_MAX)
         return 0;
@@ -119,11 +129,13 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     if (!view->body || !body_is_there(view->body) || view->body->surface.motion)
         return 0;
     view->is_ball = tick->proxy->shape == PROXY_BALL;
-    view->axis_count = tool->segment_count;
+    view->has_tips = tool->tip_count > 0;
+    view->axis_count = tool_part_count(tool);
+    view->placed = tick->at.frame;
     for (uint32_t i = 0; i < view->axis_count; i++) {
         struct patch_axis *axis = &view->axes[i];
-        axis->segment = &world->segments[tool->first_segment + i];
-        ends_at(view, axis->segment, &tick->at, &axis->a, &axis->b);
+        axis->part = tool_part(world, tool, i);
+        ends_at(view, axis->part, &tick->at, &axis->a, &axis->b);
     }
     if (was_left_here(view))
         return 0;
@@ -131,7 +143,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     view->reach = view->covered = view->wished = 0.0;
     view->room = HUGE_VAL;
     view->is_made = 0;
-    view->side_count = view->count = 0;
+    view->side_count = view->tip_count = view->count = 0;
     return 1;
 }
 
@@ -142,6 +154,7 @@ struct reach_filter {
     int is_point;
     float x[3], limit;
     struct filter_segment segment;
+    float plane[HULL_PLANES][3], height[HULL_PLANES]; /* of a tip */
 };
 
 static void reach_filter_set(struct reach_filter *filter, const struct dpt_world *world, const struct patch_side *side,
@@ -164,6 +177,29 @@ static void reach_filter_set(struct reach_filter *filter, const struct dpt_world
     const double limit = distance * surface->filter_scale + filter->margin;
     put_float(at, filter->x);
     filter->limit = (float)(limit * limit * (1.0 + 4.0 * KERNEL_STRETCH));
+}
+
+/* The planes of a tip: what lies beyond one of them is farther than it, by more than `distance`, m. */
+static void reach_filter_set_planes(struct reach_filter *filter, const struct patch_side *side, double distance)
+{
+    const struct surface *surface = &side->body->surface;
+    const double size = length(sub(side->a, surface->filter_centre)) + length(side->u) + side->spread + distance;
+    const double extent = size * surface->filter_scale, margin = kernel_margin(extent, extent);
+    for (int i = 0; i < HULL_PLANES; i++) {
+        const vec3 n = side->tip->plane[i];
+        const double at = (side->tip->support[i] + distance - dot(n, surface->filter_centre)) * surface->filter_scale;
+        put_float(n, filter->plane[i]);
+        filter->height[i] = (float)(at + KERNEL_STRETCH * fabs(at) + margin + filter->margin);
+    }
+}
+
+/* Those of a leaf that are beyond none. */
+static uint32_t triangles_this_side(const struct reach_filter *filter, const float *rows, uint32_t lanes)
+{
+    float support[LANES];
+    for (int i = 0; i < HULL_PLANES && lanes; i++)
+        lanes &= filter->kernel->common_triangles(rows, filter->plane[i], filter->height[i], support);
+    return lanes;
 }
 
 static uint32_t boxes_within(const struct reach_filter *filter, const float *rows)
@@ -192,27 +228,34 @@ static double distance_of_bound(const struct reach_filter *filter, float bound)
 
 /* Add the triangles of a leaf of a patch that may be within reach. 0: there is no room. */
 static int list_leaf(struct dpt_world *world, struct patch_view *view, struct patch_side *side,
-                     const struct reach_filter *filter, uint32_t at, uint32_t most)
+                     const struct reach_filter *filter, uint32_t at, double within, uint32_t most)
 {
     const struct surface *surface = &side->body->surface;
     const uint32_t leaf = side->patch->leaf[at], first = leaf * LANES;
+    const float *rows = surface_leaf(surface, leaf, &world->work);
     struct planes planes;
     float bound[LANES];
     work_spend(&world->work, 1);
-    uint32_t lanes = lanes_of(surface_triangles(surface) - first) &
-                     triangles_within(filter, surface_leaf(surface, leaf, &world->work), &planes, bound);
+    uint32_t lanes = lanes_of(surface_triangles(surface) - first);
+    if (side->tip)
+        lanes = triangles_this_side(filter, rows, lanes);
+    if (lanes)
+        lanes &= triangles_within(filter, rows, &planes, bound);
     side->listed[at] = lanes;
     for (; lanes; lanes &= lanes - 1) {
         const uint32_t lane = first_lane(lanes);
         if (view->count == most)
             return 0;
         struct patch_triangle *triangle = &view->list[view->count++];
-        *triangle = (struct patch_triangle){ .gap = distance_of_bound(filter, bound[lane]) - side->segment->radius,
-                                             .height = HUGE_VAL,
-                                             .triangle = first + lane,
-                                             .has_face = 1,
-                                             .side = (uint16_t)(side - view->sides) };
-        if (!filter->is_point)
+        *triangle =
+            (struct patch_triangle){ .gap = distance_of_bound(filter, bound[lane]) - side->spread - side->radius,
+                                     .height = HUGE_VAL,
+                                     .triangle = first + lane,
+                                     .has_face = 1,
+                                     .side = (uint16_t)(side - view->sides) };
+        if (side->tip)
+            view->count -= !dpti_patch_tip_list(side, triangle, within);
+        else if (!filter->is_point)
             triangle->normal = unit_of((vec3){ -planes.x[lane], -planes.y[lane], -planes.z[lane] });
     }
     return 1;
@@ -225,12 +268,16 @@ static int list_side(struct dpt_world *world, struct patch_view *view, struct pa
     const struct proxy_patch *patch = side->patch;
     struct reach_filter filter;
     memset(side->listed, 0, patch->count * sizeof *side->listed);
-    reach_filter_set(&filter, world, side, view->is_ball, side->segment->radius + within);
+    if (side->tip)
+        dpti_patch_tip_planes(side, &view->placed);
+    reach_filter_set(&filter, world, side, view->is_ball, side->spread + side->radius + within);
+    if (side->tip)
+        reach_filter_set_planes(&filter, side, side->radius + within);
     for (uint32_t from = 0; from < patch->count; from += LANES) {
         work_spend(&world->work, 1);
         uint32_t leaves = lanes_of(patch->count - from) & boxes_within(&filter, patch->box[from / LANES]);
         for (; leaves; leaves &= leaves - 1)
-            if (!list_leaf(world, view, side, &filter, from + first_lane(leaves), most))
+            if (!list_leaf(world, view, side, &filter, from + first_lane(leaves), within, most))
                 return 0;
     }
     return 1;
@@ -239,7 +286,8 @@ static int list_side(struct dpt_world *world, struct patch_view *view, struct pa
 /* List the triangles of all sides likewise; other bodies are so far. */
 static int list_all(struct dpt_world *world, struct patch_view *view, double within, double others)
 {
-    const uint32_t room = view->is_ball ? PATCH_TRIANGLES_MAX : PATCH_BESIDE_LINE_MAX * view->side_count;
+    const uint32_t room =
+        view->is_ball || view->has_tips ? PATCH_TRIANGLES_MAX : PATCH_BESIDE_LINE_MAX * view->side_count;
     const uint32_t most = room < PATCH_TRIANGLES_MAX ? room : PATCH_TRIANGLES_MAX;
     view->count = 0;
     view->reach = within;
@@ -249,7 +297,7 @@ static int list_all(struct dpt_world *world, struct patch_view *view, double wit
         if (!list_side(world, view, side, within, most))
             return 0;
         if (!view->is_listed)
-            view->covered = min_of(view->covered, side->patch->reach - patch_off_centre(side) - side->segment->radius);
+            view->covered = min_of(view->covered, side->patch->reach - patch_off_centre(side) - side->radius);
     }
     return 1;
 }
@@ -273,11 +321,11 @@ static int look_anew(struct proxy_tick *tick, struct patch_view *view, double re
     reach = dpti_patch_find_sides(world, view, min_of(reach, view->room), least, &others);
     if (!(reach > 0.0))
         return 0;
-    view->is_listed = view->is_ball || has_friction(view);
+    view->is_listed = view->is_ball || view->has_tips || has_friction(view);
     double within = view->is_listed ? reach : min_of(view->wished, LISTED_LINE * tick->clearance);
     within = min_of(within, others);
     for (; !list_all(world, view, within, others); within *= 0.5)
-        if (within < least || (view->is_listed && !view->is_ball))
+        if (within < least || (view->is_listed && !view->is_ball && !view->has_tips))
             return 0;
     view->is_made = 1;
     return 1;
@@ -297,22 +345,13 @@ void dpti_patch_find(struct dpt_world *world, const struct patch_view *view, str
         *found = dpti_triangle_pair(surface, triangle->triangle, side->a, side->u);
     }
     const double distance = sqrt(found->distance2);
-    triangle->gap = distance - side->segment->radius;
+    triangle->gap = distance - side->radius;
     triangle->is_found = 1;
     if (distance > 0.0) {
         triangle->normal = scaled(found->gap, 1.0 / distance);
         triangle->height = dot(triangle->normal, side->a) - distance;
     }
     work_spend(&world->work, 1);
-}
-
-/* Whether one triangle is nearer than another, both of pairs that are found. Of equal ones that of the lower source. */
-static int is_nearer(const struct surface *surface, const struct patch_triangle *one,
-                     const struct patch_triangle *other)
-{
-    return one->found.distance2 < other->found.distance2 ||
-           (one->found.distance2 == other->found.distance2 &&
-            surface->sources[one->triangle] < surface->sources[other->triangle]);
 }
 
 struct patch_way dpti_patch_way(const struct patch_side *side, int is_ball, vec3 to_a, vec3 to_b, double spare)
@@ -337,8 +376,7 @@ static void weaken(struct patch_view *view, double moved)
         const struct patch_side *side = patch_side_of(view, triangle);
         triangle->gap -= side->moved;
         if (view->is_ball)
-            triangle->gap =
-                max_of(triangle->gap, dot(triangle->normal, side->a) - triangle->height - side->segment->radius);
+            triangle->gap = max_of(triangle->gap, dot(triangle->normal, side->a) - triangle->height - side->radius);
         triangle->is_found = 0;
         triangle->has_face = 1;
     }
@@ -351,28 +389,32 @@ static int is_farther(const struct patch_side *side, const struct patch_way *now
     double part[2];
     vec3 v[3];
     surface_corners(&side->body->surface, triangle->triangle, v);
-    return !patch_part_beside(now, v, part) ||
-           patch_height(now, triangle->normal, part, v) > gap + side->segment->radius;
+    return !patch_part_beside(now, v, part) || patch_height(now, triangle->normal, part, v) > gap + side->radius;
 }
 
 /* The pairs of those near, and the nearest of a side. */
-static void find_near(struct dpt_world *world, struct patch_view *view, uint32_t number)
+static void find_near(struct proxy_tick *tick, struct patch_view *view, uint32_t number)
 {
     struct patch_side *side = &view->sides[number];
     const double near = view->near;
     const struct patch_way now =
-        dpti_patch_way(side, view->is_ball, side->a, add(side->a, side->u), near + side->segment->radius);
+        dpti_patch_way(side, view->is_ball, side->a, add(side->a, side->u), near + side->radius);
     side->nearest = PATCH_TRIANGLES_MAX;
+    for (uint32_t i = 0; i < view->count; i++)
+        if (view->list[i].side == number)
+            view->list[i].is_held = 0;
+    if (side->tip) {
+        dpti_patch_tip_find_near(tick, view, number);
+        return;
+    }
     for (uint32_t i = 0; i < view->count; i++) {
         struct patch_triangle *triangle = &view->list[i];
-        if (triangle->side != number)
+        if (triangle->side != number || triangle->gap > near ||
+            (!view->is_ball && !triangle->is_found && is_farther(side, &now, triangle, near)))
             continue;
-        triangle->is_held = 0;
-        if (triangle->gap > near || (!view->is_ball && !triangle->is_found && is_farther(side, &now, triangle, near)))
-            continue;
-        dpti_patch_find(world, view, triangle);
+        dpti_patch_find(tick->world, view, triangle);
         if (triangle->gap <= near && (side->nearest == PATCH_TRIANGLES_MAX ||
-                                      is_nearer(&side->body->surface, triangle, &view->list[side->nearest])))
+                                      patch_is_nearer(&side->body->surface, triangle, &view->list[side->nearest])))
             side->nearest = i;
     }
 }
@@ -380,7 +422,7 @@ static void find_near(struct dpt_world *world, struct patch_view *view, uint32_t
 int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double reach)
 {
     struct dpt_world *world = tick->world;
-    if (work_left(&world->work) < PATCH_WORK)
+    if (work_left(&world->work) < PATCH_WORK || (view->has_tips && reach > REACH_TIPS * tick->clearance))
         return 0;
     const double moved = place_axes(view, &tick->at);
     if (!view->is_made || view->reach - moved < (view->is_listed ? reach : view->near) ||
@@ -395,7 +437,7 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
     }
     tick->gap = view->near;
     for (uint32_t i = 0; i < view->side_count; i++) {
-        find_near(world, view, i);
+        find_near(tick, view, i);
         if (view->sides[i].nearest != PATCH_TRIANGLES_MAX)
             tick->gap = min_of(tick->gap, view->list[view->sides[i].nearest].gap);
     }
@@ -447,7 +489,7 @@ int dpti_patch_list_met(struct dpt_world *world, struct patch_view *view, uint32
     return 1;
 }
 
-/* The side at which a segment is nearest; NULL: none is near. */
+/* The side at which a part is nearest; NULL: none is near. */
 static const struct patch_side *nearest_side(const struct patch_view *view, uint32_t number)
 {
     const struct patch_side *nearest = NULL;
@@ -462,7 +504,7 @@ static const struct patch_side *nearest_side(const struct patch_view *view, uint
 
 static void answer_one(struct proxy_tick *tick, const struct patch_view *view, const struct patch_side *side)
 {
-    struct segment *segment = side->segment;
+    struct segment *segment = side->part.segment;
     struct body_answer *answer = &segment->answer;
     struct dynamic_point *track = &answer->track;
     const struct patch_axis *axis = &view->axes[side->number];
@@ -497,7 +539,9 @@ int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view)
     uint32_t answered = 0;
     for (uint32_t i = 0; i < view->axis_count; i++) {
         const struct patch_side *side = nearest_side(view, i);
-        if (side)
+        if (side && side->tip)
+            dpti_patch_tip_answer(tick->world, side, &view->placed, &view->list[side->nearest]);
+        else if (side)
             answer_one(tick, view, side);
         answered += side != NULL;
     }

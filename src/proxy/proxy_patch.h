@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The patches of surface round a proxy: docs/algorithms/patch.md. All triangles of one body within reach of one segment's
- * axis, found once in many ticks; and what a tick makes of them, of all segments and bodies together.
+ * The patches of surface round a proxy: docs/algorithms/patch.md. All triangles of one body within reach of the axis of one
+ * segment or tip, found once in many ticks; and what a tick makes of them, of all parts of the tool and bodies together.
  */
 #ifndef DPT_PROXY_PATCH_H
 #define DPT_PROXY_PATCH_H
 
+#include "hull/hull_search.h"
 #include "proxy/proxy_tick.h"
 #include "sweep/sweep_triangle.h"
 
 enum { PATCH_BLOCKS = 4, PATCH_LEAVES = PATCH_BLOCKS * LANES, PATCH_TRIANGLES_MAX = 192, PATCH_BESIDE_LINE_MAX = 64 };
 
-/* A segment has patches of so many bodies; so many segments a tool may have, and pairs of a segment and a body near it. */
-enum { PATCH_BODIES = 2, PATCH_AXES_MAX = 8, PATCH_SIDES_MAX = 8 };
+/*
+ * A segment or tip has patches of so many bodies; so many of them a tool may have, and pairs of one and a body near it, of
+ * which so many are of tips.
+ */
+enum { PATCH_BODIES = 2, PATCH_AXES_MAX = 8, PATCH_SIDES_MAX = 8, PATCH_TIP_SIDES_MAX = 2 };
 
 /* An axis in the frame of a body. */
 struct patch_place {
@@ -48,20 +52,30 @@ struct patch_triangle {
     uint16_t has_face; /* which may be its own plane */
     uint16_t space;    /* the number of the constraint; HALF_SPACES_MAX: a neighbour has the same */
     uint16_t side;     /* of which it is */
+    uint32_t feature;  /* of a tip's pair that is found: hull/hull_triangle.h */
 };
 
-/* A segment of the tool. */
+/* A segment of the tool, or a tip and its hull's axis. */
 struct patch_axis {
-    struct segment *segment;
+    struct part part;
     vec3 a, b; /* in the world, at tick->at */
 };
 
-/* A segment beside a body. */
+/* A tip beside a body, in the body's frame: its corners where it is, and behind them where a motion leads. */
+struct patch_tip {
+    vec3 corner[2 * HULL_CORNERS_MAX];
+    vec3 plane[HULL_PLANES]; /* unit, towards the body: what lies beyond one of these is the less near */
+    double support[HULL_PLANES];
+};
+
+/* A segment or tip beside a body. */
 struct patch_side {
     struct proxy_patch *patch;
-    struct segment *segment;
+    struct patch_tip *tip; /* NULL: a segment */
+    struct part part;
     const struct body *body;
-    uint32_t number;               /* of the segment */
+    double radius, spread;         /* m: of the part; and no corner of a tip is farther from its axis */
+    uint32_t number;               /* of the part: proxy_triangle.segment */
     uint32_t nearest;              /* in the list; PATCH_TRIANGLES_MAX: none that is near */
     vec3 a, u;                     /* the axis in the body's frame */
     double moved;                  /* m: no point of it has moved farther since the last look */
@@ -73,16 +87,19 @@ struct patch_view {
     struct proxy_patch *first; /* of the tool */
     const struct body *body;   /* the nearest when the tick began */
     int is_ball;
-    int is_made;    /* there is a list */
-    int is_listed;  /* motions stay within the list: beside a ball, and of a line with friction */
-    double near;    /* m: the nearest pairs are looked for up to that gap */
-    double reach;   /* m: no triangle outside of the list has a gap below that */
-    double covered; /* m: the same of triangles outside of the patches, and of other bodies */
-    double wished;  /* m: the longest reach that was asked for in this tick */
-    double room;    /* m: a longer reach had no room in the patches in this tick */
-    uint32_t axis_count, side_count, count;
+    int is_made;   /* there is a list */
+    int is_listed; /* motions stay within the list: beside a ball, of a line with friction, and of tips */
+    int has_tips;
+    double near;         /* m: the nearest pairs are looked for up to that gap */
+    double reach;        /* m: no triangle outside of the list has a gap below that */
+    double covered;      /* m: the same of triangles outside of the patches, and of other bodies */
+    double wished;       /* m: the longest reach that was asked for in this tick */
+    double room;         /* m: a longer reach had no room in the patches in this tick */
+    struct frame placed; /* the tool, for the axes */
+    uint32_t axis_count, side_count, tip_count, count;
     struct patch_axis axes[PATCH_AXES_MAX];
     struct patch_side sides[PATCH_SIDES_MAX];
+    struct patch_tip tips[PATCH_TIP_SIDES_MAX];
     struct patch_triangle list[PATCH_TRIANGLES_MAX];
 };
 
@@ -92,10 +109,29 @@ static inline const struct patch_side *patch_side_of(const struct patch_view *vi
     return &view->sides[triangle->side];
 }
 
+/* Whether one triangle is nearer than another, both of pairs that are found. Of equal ones that of the lower source. */
+static inline int patch_is_nearer(const struct surface *surface, const struct patch_triangle *one,
+                                  const struct patch_triangle *other)
+{
+    return one->found.distance2 < other->found.distance2 ||
+           (one->found.distance2 == other->found.distance2 &&
+            surface->sources[one->triangle] < surface->sources[other->triangle]);
+}
+
+/* Whether the proxy remembers a triangle: it held it or was hit. */
+static inline int patch_is_remembered(const struct proxy *proxy, const struct patch_side *side, uint32_t triangle)
+{
+    for (uint32_t i = 0; i < PROXY_MEMORY; i++)
+        if (proxy->memory[i].triangle == triangle && proxy->memory[i].body_id == side->body->id &&
+            proxy->memory[i].segment == side->number)
+            return 1;
+    return 0;
+}
+
 /* Units of work that a look or a proof may take, so that it is not begun with less. */
 enum { PATCH_WORK = 512 };
 
-/* Whether the tick may work with patches: of a tool without tips, held by a rigid body. Begins the view. */
+/* Whether the tick may work with patches: of a tool that is held by a rigid body. Begins the view. */
 int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view);
 
 /*
@@ -111,7 +147,7 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
  */
 int dpti_patch_list_met(struct dpt_world *world, struct patch_view *view, uint32_t side, const struct sweep *sweep);
 
-/* m: no point of the tool's segments is farther from where the view has it at a pose, the ends on straight lines. */
+/* m: no point of the tool is farther from where the view has it at a pose, ends and corners on straight lines. */
 double dpti_patch_moved(const struct patch_view *view, const struct proxy_pose *to);
 
 /* Find a triangle's nearest pair with its side's axis, and the plane across it. */
@@ -155,7 +191,7 @@ static inline double patch_height(const struct patch_way *way, vec3 normal, cons
 /* The tick has made no motion. While the tool is there, it is not worth a look: what is known there serves as well. */
 void dpti_patch_leave(struct patch_view *view);
 
-/* The nearest pairs at tick->at become the segments' answers. Returns 0 if the view does not have those of all. */
+/* The nearest pairs at tick->at become the answers of segments and tips. Returns 0 if the view does not have those of all. */
 int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view);
 
 #endif

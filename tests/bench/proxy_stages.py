@@ -27,7 +27,7 @@ STAGES = (
     ("turns: corrections, how far", ("dpti_solved_correct", "dpti_solved_best_share")),
     ("proof in the patch", ("dpti_patch_prove",)),
     ("sweeps past the tree", ("dpti_proxy_move",)),
-    ("nearest pairs by the tree", ("dpti_proxy_find_nearest", "dpti_track_segment")),
+    ("nearest pairs by the tree", ("dpti_proxy_find_nearest", "dpti_track_segment", "dpti_tips_track")),
     ("hits at the device's pose", ("dpti_proxy_write_hits", "dpti_tool_find_hits")),
     ("contacts", ("contact_at_proxy", "dpti_contacts_find")),
     ("force, loads", ("dpti_proxy_respond", "dpti_loads_note_proxy", "dpti_loads_settle")),

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a tick of a proxy takes, without contacts: a ball of 1 mm, a line of 0.1 m with a radius of 1 mm, and a fork of
- * three segments.
+ * What a tick of a proxy takes, without contacts: a ball of 1 mm, a line of 0.1 m with a radius of 1 mm, a fork of three
+ * segments; and tools with a tip of 30 mm at the end of a point: a blade, a plate and a cone of 16 corners.
  *
  *     open   20 mm above the mesh, at 0.1 m/s
  *     rest   pressed 3 mm in, with a tremor of 0.05 mm
@@ -10,6 +10,7 @@
  *     poke   in and out by 5 mm, at one place after another
  *     move   as wipe, but the tool rests and the mesh moves
  *     twin   as wipe, over two meshes: the second one is moved by some mm, so that each is outside in places
+ *     sway   as twin, but the second mesh goes to and fro by 2 mm, once in a second
  *
  * A CSV: mesh, triangles, tool, motion, friction, ticks, median, 99 % and worst in us of processor time, the least of
  * REPEATS runs; then the sum of all forces, N: two builds that feel the same print the same.
@@ -22,25 +23,35 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "dynpoint/tip.h"
 #include "lib/pose.h"
 #include "lib/solid.h"
 #include "timing.h"
 
-enum { OPEN, REST, WIPE, FAST, POKE, MOVE, TWIN, MOTIONS };
-enum { BALL, LINE, FORK, TOOLS };
+enum { OPEN, REST, WIPE, FAST, POKE, MOVE, TWIN, SWAY, MOTIONS };
+enum { BALL, LINE, FORK, BLADE, PLATE, CONE, TOOLS };
 
-static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke", "move", "twin" };
+static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke", "move", "twin", "sway" };
+
 static const struct {
     const char *name;
     uint32_t count;
     dpt_segment segments[3];
-} tools[TOOLS] = { { "ball", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-3 } } },
-                   { "line", 1, { { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } } },
+    uint32_t tip, sides; /* the tip's kind; UINT32_MAX: there is none */
+    double extent[3];
+} tools[TOOLS] = { { "ball", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-3 } }, UINT32_MAX, 0, { 0 } },
+                   { "line", 1, { { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } }, UINT32_MAX, 0, { 0 } },
                    { "fork",
                      3,
                      { { { 0, 0, 0.02 }, { 0, 0, 0.1 }, 1e-3 },
                        { { 0, 0, 0.02 }, { 0.005, 0, 0 }, 1e-3 },
-                       { { 0, 0, 0.02 }, { -0.005, 0, 0 }, 1e-3 } } } };
+                       { { 0, 0, 0.02 }, { -0.005, 0, 0 }, 1e-3 } },
+                     UINT32_MAX,
+                     0,
+                     { 0 } },
+                   { "blade", 1, { { { 0 }, { 0 }, 0 } }, DPT_HULL_KIND_WEDGE, 0, { 0.03, 0.001, 0.008 } },
+                   { "plate", 1, { { { 0 }, { 0 }, 0 } }, DPT_HULL_KIND_BOX, 0, { 0.03, 0.008, 0.001 } },
+                   { "cone", 1, { { { 0 }, { 0 }, 0 } }, DPT_HULL_KIND_CONE, 15, { 0.004, 0, 0.012 } } };
 
 enum { SETTLED = 100, STAY = 500 };
 
@@ -143,6 +154,19 @@ static void exchange(dpt_pose *pose, dpt_pose *body)
     *pose = (dpt_pose)DPT_POSE_IDENTITY;
 }
 
+/* Give a tool its tip; the hull lies in a block that lasts. */
+static int add_tip(dpt_world *world, dpt_tool handle, int tool)
+{
+    static uint64_t block[2048];
+    double corners[3 * DPT_HULL_CORNERS_MAX];
+    dpt_hull_shape shape = { .size = sizeof shape, .kind = tools[tool].tip, .sides = tools[tool].sides };
+    dpt_hull_def def = { .size = sizeof def, .corners = corners };
+    dpt_tip tip = { .size = sizeof tip };
+    memcpy(shape.extent, tools[tool].extent, sizeof shape.extent);
+    return !dpt_hull_shape_corners(&shape, corners, DPT_HULL_CORNERS_MAX, &def.corner_count) &&
+           !dpt_hull_create(block, sizeof block, &def, &tip.hull) && !dpt_tool_set_tips(world, handle, &tip, 1);
+}
+
 /* Returns the sum of all forces; took[]: of each tick after the first ones, us. */
 static double run(const struct solid *solid, int tool, int motion, int ticks, double friction, double *took)
 {
@@ -163,11 +187,13 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
         dpt_tool_add(world, tools[tool].segments, tools[tool].count, &handle) ||
         dpt_body_get_settings(world, body, &settings))
         fail("no world");
+    if (tools[tool].tip != UINT32_MAX && !add_tip(world, handle, tool))
+        fail("no tip");
     settings.static_friction = settings.kinetic_friction = friction;
     if (dpt_body_set_settings(world, body, &settings))
         fail("no settings");
     memcpy(place.position, aside, sizeof aside);
-    if (motion == TWIN &&
+    if ((motion == TWIN || motion == SWAY) &&
         (dpt_body_add(world, solid->mesh, &place, &body) || dpt_body_set_settings(world, body, &settings)))
         fail("no second body");
     solid_random_place(solid, &hand.seed, hand.next, hand.next_out);
@@ -177,8 +203,10 @@ static double run(const struct solid *solid, int tool, int motion, int ticks, do
         hand_pose(&hand, tick, &pose);
         if (motion == MOVE)
             exchange(&pose, &place);
+        if (motion == SWAY)
+            place.position[0] = aside[0] + 2e-3 * sin(6.2831853e-3 * tick);
         const double begin = processor_time();
-        if (motion == MOVE && dpt_body_set_pose(world, body, &place))
+        if ((motion == MOVE || motion == SWAY) && dpt_body_set_pose(world, body, &place))
             fail("no place");
         if (tick ? dpt_tool_set_pose(world, handle, &pose) : dpt_tool_teleport(world, handle, &pose))
             fail("no pose");
