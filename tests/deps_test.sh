@@ -69,7 +69,7 @@ check "make test asks for nothing" test "$(grep -c '^apt' "$CALLS")" -eq 0 -a ! 
 
 asks make deps
 check "make deps installs nothing" untouched
-for group in light peers kinematics soft cross firmware vm motors view wasm; do
+for group in light peers kinematics soft cross firmware vm motors view python wasm; do
     check "it lists $group with what it downloads" grep -qE "^$group +[0-9]+ MB.* to download: " "$scratch/says"
 done
 asks make deps firmware
@@ -102,7 +102,7 @@ check "but when another is locked" test "$(grep -c '^npm ci' "$CALLS")" -eq 1
 rm "$scratch/bin/node" "$scratch/bin/npm"
 asks make deps nonesuch
 check "an unknown group is an error" test $status -eq 2
-check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi wasm or all' "$scratch/says"
+check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python wasm or all' "$scratch/says"
 check "and installs nothing" untouched
 (cd "$scratch/tree" && PATH="$scratch/bin:$scratch/rest" sh tests/vm/kernel.sh) >"$scratch/says" 2>&1
 check "a test alone fetches no kernel" test $? -eq 77 -a ! -s "$INSTALLED"

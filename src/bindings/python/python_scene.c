@@ -19,6 +19,7 @@ typedef struct dpy_scene {
     PyObject *state, *wrench;
     Py_buffer state_view, wrench_view;
     dpy_world *world; /* that was given away, and is there still; or NULL */
+    int in_felt;      /* its function runs now: the scene is open to it */
 } dpy_scene;
 
 static dpt_host *enter(dpy_scene *self, const char *what)
@@ -30,6 +31,18 @@ static dpt_host *enter(dpy_scene *self, const char *what)
     dpy_owner_leave(&self->owner);
     PyErr_Format(PyExc_ValueError, "%s: the scene is closed", what);
     return NULL;
+}
+
+/* What may be read within `felt` too: NULL, or a host that leave_reading ends. */
+static dpt_host *enter_reading(dpy_scene *self, const char *what)
+{
+    return self->in_felt && dpy_owner_is_here(&self->owner) ? self->host : enter(self, what);
+}
+
+static void leave_reading(dpy_scene *self)
+{
+    if (!self->in_felt)
+        dpy_owner_leave(&self->owner);
 }
 
 static void call_felt(dpy_scene *self, const dpt_loop_sample *sample, dpt_result result, const dpt_wrench *wrench)
@@ -51,7 +64,9 @@ static void felt(void *user, dpt_host *host, const dpt_loop_sample *sample, dpt_
     if (!PyErr_Occurred()) {
         if (self->world)
             dpy_world_leave(self->world);
+        self->in_felt = 1;
         call_felt(self, sample, result, wrench);
+        self->in_felt = 0;
         while (self->world && __atomic_exchange_n(&self->world->owner.busy, 1, __ATOMIC_ACQUIRE)) {
             Py_BEGIN_ALLOW_THREADS Py_END_ALLOW_THREADS
         }
@@ -311,11 +326,11 @@ static PyObject *scene_get_info(PyObject *object, PyObject *to)
     Py_buffer view;
     if (dpy_get_structs(to, &view, sizeof(dpt_host_info), NULL, "info") != 0)
         return NULL;
-    dpt_host *host = enter(self, "Scene.info");
+    dpt_host *host = enter_reading(self, "Scene.info");
     dpt_result result = DPT_OK;
     if (host) {
         result = dpt_host_get_info(host, view.buf);
-        dpy_owner_leave(&self->owner);
+        leave_reading(self);
     }
     PyBuffer_Release(&view);
     if (!host)
@@ -329,11 +344,11 @@ static PyObject *scene_get_world(PyObject *object, PyObject *type)
     dpy_scene *self = (dpy_scene *)object;
     if (self->world)
         return Py_NewRef((PyObject *)self->world);
-    dpt_host *host = enter(self, "Scene.world");
+    dpt_host *host = enter_reading(self, "Scene.world");
     if (!host)
         return NULL;
     PyObject *world = dpy_world_wrap((PyTypeObject *)type, dpt_host_get_world(host), object, &self->world);
-    dpy_owner_leave(&self->owner);
+    leave_reading(self);
     return world;
 }
 

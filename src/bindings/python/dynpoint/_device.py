@@ -8,7 +8,7 @@ import os
 import time
 import weakref
 from types import TracebackType
-from typing import Any, Callable, Mapping, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
@@ -101,7 +101,7 @@ class Guard(_dynpoint.Guard):
     """Between a loop of yours and a device's motors. Keywords are those of dpt_guard_def, as force_max.
 
     >>> guard = Guard(force_max=3, force_slew=0, start=0)
-    >>> guard.step(0, [4, 0, 0, 0, 0, 0]).tolist()
+    >>> guard.step(0, [4, 0, 0, 0, 0, 0]).round(9).tolist()
     [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     >>> guard.step(9_000_000, None).tolist()  # silence of 9 ms
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
@@ -185,6 +185,9 @@ class Scene(_Closes, _dynpoint.Scene):
     """
 
     __slots__ = ("__weakref__", "name", "_meshes", "note")
+    name: str
+    note: str
+    _meshes: List[Mesh]
 
     def __new__(cls, scene: Optional[PathLike] = None, device: Optional[str] = None, *, tool: Optional[PathLike] = None,
                 identified: Optional[PathLike] = None, record: Optional[PathLike] = None, jaw: Optional[str] = None,
@@ -215,7 +218,8 @@ class Scene(_Closes, _dynpoint.Scene):
 
     def tick(self, state: Records, now_ns: int) -> Floats:
         """One tick of a loop of yours: the newest sample, an array of one DEVICE_STATE; what to send."""
-        return np.array(self.decide(state, now_ns))
+        out: Floats = np.array(self.decide(state, now_ns))
+        return out
 
     @property
     def info(self) -> Any:

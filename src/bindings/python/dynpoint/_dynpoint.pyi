@@ -4,8 +4,10 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 import numpy.typing as npt
-from typing_extensions import Buffer
+from typing_extensions import Buffer as _Buffer
 
+# NumPy says of its arrays that they are buffers from Python 3.12 on.
+Buffer = Union[bytes, memoryview, npt.NDArray[Any]]
 _Numbers = Union[npt.NDArray[np.float64], Sequence[float]]
 _Six = Tuple[float, float, float, float, float, float]
 _T = TypeVar("_T")
@@ -24,7 +26,7 @@ def run_loop(device: Device, tick: Callable[[Any, npt.NDArray[np.float64], float
 def read_header(content: Buffer, /) -> Tuple[str, float, int, int, int]: ...
 def read_records(content: Buffer, at: int, out: Buffer, /) -> Tuple[int, int, str]: ...
 
-class Mesh(Buffer):
+class Mesh(_Buffer):
     def __new__(cls: Type[_T], content: Buffer) -> _T: ...
     @classmethod
     def compile_source(cls: Type[_T], what: str, source: Buffer, triangles: Optional[Buffer], notes: List[str],
@@ -101,7 +103,7 @@ class Tool:
     def get_setting(self, name: str, /) -> Any: ...
     def set_settings(self, **settings: Any) -> None: ...
 
-class Arm(Buffer):
+class Arm(_Buffer):
     def __new__(cls: Type[_T], content: Buffer) -> _T: ...
     def get(self, name: str, index: int, out: Buffer, /) -> None: ...
     def get_forward(self, joints: _Numbers, /) -> Tuple[float, ...]: ...

@@ -56,7 +56,7 @@ class Mesh(_dynpoint.Mesh):
     it. `bytes(mesh)` is the content of a .dpa file.
 
     >>> mesh = Mesh.compile([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], unit="m")
-    >>> len(mesh), mesh.info.open_edges
+    >>> len(mesh), int(mesh.info.open_edges)
     (1, 3)
     >>> float(mesh.distance([[0.25, 0.25, 2]])[0])
     2.0
@@ -137,7 +137,8 @@ class Mesh(_dynpoint.Mesh):
 
     def _view(self, name: str, dtype: Any) -> npt.NDArray[Any]:
         at, count = self.place(name)
-        return np.frombuffer(self, dtype, count, at)
+        array: npt.NDArray[Any] = np.frombuffer(memoryview(self), dtype, count, at)
+        return array
 
     @property
     def vertices(self) -> npt.NDArray[np.float32]:

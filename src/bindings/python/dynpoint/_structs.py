@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum, IntFlag
-from typing import Any, Sequence, Union
+from typing import Any, Sequence, Union, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,7 @@ def _dtype(name: str) -> np.dtype[np.record]:
         offsets.append(offset)
         formats.append(f"S{count}" if kind == "s" else (_KINDS[kind], (count,)) if count > 1 else _KINDS[kind])
     whole = np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})
-    return np.dtype((np.record, whole))
+    return cast("np.dtype[np.record]", np.dtype((np.record, whole)))
 
 
 SEGMENT = _dtype("dpt_segment")

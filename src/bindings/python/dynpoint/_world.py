@@ -54,8 +54,10 @@ class World(_dynpoint.World):
     >>> for height in (0.1, 0.05, 0.005):
     ...     tool.set_pose([0, height, 0])
     ...     world.step(0.001)
-    >>> tool.wrench.round(6).tolist()
+    >>> tool.wrench.round(2).tolist()
     [0.0, 2.5, 0.0, 0.0, 0.0, 0.0]
+    >>> tool
+    <dynpoint.Tool 536936448: proxy, 500 N/m, acts, 2.5 N>
     """
 
     __slots__ = ("__weakref__",)
