@@ -62,7 +62,10 @@ int main(int argc, char **argv)
 {
     size_t size, bytes;
     const dpt_mesh *mesh;
-    if (argc < 4 || dpt_mesh_open(read_file(argv[1], &size), size, &mesh) != DPT_OK)
+    if (argc < 4)
+        return 2;
+    const void *content = read_file(argv[1], &size);
+    if (dpt_mesh_open(content, size, &mesh) != DPT_OK)
         return 2;
     const long count = atol(argv[3]);
     if (strcmp(argv[2], "ticks") == 0) {

@@ -21,7 +21,7 @@ import numpy as np
 import dynpoint as dp
 from verdicts import PROGRAM, main
 
-COMMAND = 4
+COMMAND, ORDER, STOP = 4, 5, 3  # of docs/wire.md
 
 
 def unstuff(frame):
@@ -66,9 +66,10 @@ class Line:
                     time.sleep(0.002)
 
     def forces(self):
-        """Of all commands so far."""
+        """Of all commands so far; to turn the motors off is zero force too."""
         bodies = [unstuff(frame) for frame in bytes(self.sent).split(b"\0") if len(frame) > 5]
-        return [struct.unpack_from("<3f", body, 12) for body in bodies if body[0] == COMMAND]
+        return [struct.unpack_from("<3f", body, 12) if body[0] == COMMAND else (0, 0, 0)
+                for body in bodies if body[0] == COMMAND or (body[0] == ORDER and body[4] == STOP)]
 
     def close(self):
         self.ends = True
@@ -81,15 +82,16 @@ class Line:
 
 
 HEAD = """
-import os, sys, time, gc, signal, threading
-import numpy as np
+import os, sys, time, gc, signal
 import dynpoint as dp
-name = sys.argv[1]
+name, count = sys.argv[1], 0
+def end():
+    print("pushing", flush=True)
+    END
 """
-# A machine that has more to do than it can may miss the device's watchdog: then go on.
+# A machine that has more to do than it can may miss the device's watchdog, or its samples: then go on.
 LOOP = HEAD + """
 device = dp.Device(name)
-count = 0
 def tick(state, wrench, dt):
     global count
     wrench[1] = 1.0
@@ -97,103 +99,105 @@ def tick(state, wrench, dt):
         device.clear()
     else:
         count += 1
-    if count == 300:
-        print("pushing", flush=True)
-        END
-dp.Loop(device, tick, lock=0, reopen=1).run(4000)
+        if count == 300:
+            return end()
+dp.Loop(device, tick, lock=0, reopen=1).run()
 """
 OWN = HEAD + """
 device = dp.Device(name)
-k = 0
-while k < 400:
-    if device.read().status != dp.DeviceStatus.READY:
-        device.clear()
-        continue
+while count < 300:
     try:
-        device.write([0, 1, 0, 0, 0, 0])
+        if device.read().status == dp.DeviceStatus.READY:
+            count += device.write([0, 1, 0, 0, 0, 0])
+        else:
+            device.clear()
     except dp.Error as error:
         if error.name not in ("DPT_E_NOT_READY", "DPT_E_LOST"):
             raise
     time.sleep(0.001)
-    k += 1
-    if k == 300:
-        print("pushing", flush=True)
-        END
-print("at the end", flush=True)
+end()
 """
 SCENE = HEAD + """
 mesh = dp.Mesh.compile([[-9, -.001, -9], [9, -.001, -9], [9, -.001, 9], [-9, -.001, 9]], [[0, 3, 2], [0, 2, 1]], unit="m")
-scene = dp.Scene(device=name, bodies=[mesh], flags=dp.constants()["DPT_HOST_FLAG_REOPEN"], ticks=4000)
-threading.Timer(1.5, lambda: (print("pushing", flush=True), os.kill(os.getpid(), signal.SIGINT))).start()
-scene.run()
-"""
-FELT = SCENE.replace("ticks=4000)", "ticks=4000, felt=felt)").replace("scene = ", """count = 0
+told = []
+signal.signal(signal.SIGUSR1, lambda number, frame: told.append(number))
 def felt(state, wrench, dt, result):
-    global count
-    count += 1
-    if count == 1000:
-        print("pushing", flush=True)
-        END
-scene = """).replace("threading.Timer", "0 and threading.Timer")
+    if told:
+        end()
+reopen = dp.constants()["DPT_HOST_FLAG_REOPEN"]
+dp.Scene(device=name, bodies=[mesh], flags=reopen, felt=FELT).run()
+"""
 
 
 class Safety(unittest.TestCase):
-    def ends_in_zero(self, program, error, status=1):
-        """Run a program that says when it pushes; the line's last commands, and what it said."""
-        line = Line()
+    def ends_in_zero(self, program, how, error, status, wake=None):
+        """Run a program that ends by `how` once it has pushed; or send it a signal then. The last command is zero force."""
+        line, ends = Line(), time.monotonic() + 60
         try:
-            ran = subprocess.run([sys.executable, "-W", "ignore", "-c", program, line.name], capture_output=True, text=True, timeout=60)
+            with subprocess.Popen([sys.executable, "-W", "ignore", "-c", program.replace("END", how), line.name], text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE) as ran:
+                while wake and ran.poll() is None and time.monotonic() < ends:
+                    time.sleep(0.05)
+                    if sum(map(any, line.forces())) > 100:
+                        ran.send_signal(wake)
+                        break
+                try:
+                    said, told = ran.communicate(timeout=60)
+                except subprocess.TimeoutExpired:
+                    ran.kill()
+                    raise
             time.sleep(0.2)
             forces = line.forces()
         finally:
             line.close()
-        self.assertIn("pushing", ran.stdout, ran.stderr)
-        self.assertIn(error, ran.stderr)
-        self.assertEqual(ran.returncode, status, ran.stderr)
-        pushes = [k for k, force in enumerate(forces) if any(force)]
-        self.assertGreater(len(pushes), 50)
+        if wake != signal.SIGINT:
+            self.assertIn("pushing", said, told)
+        self.assertIn(error, told)
+        self.assertEqual(ran.returncode, status, told)
+        self.assertGreater(sum(map(any, forces)), 50)
         self.assertEqual(forces[-1], (0, 0, 0))
-        return len(forces) - 1 - pushes[-1]
 
     def test_an_exception_in_a_tick(self):
-        self.ends_in_zero(LOOP.replace("END", "raise ZeroDivisionError('in a tick')"), "ZeroDivisionError: in a tick")
+        self.ends_in_zero(LOOP, "raise ZeroDivisionError('in a tick')", "ZeroDivisionError: in a tick", 1)
 
     def test_Ctrl_C_in_a_tick(self):
-        self.ends_in_zero(LOOP.replace("END", "os.kill(os.getpid(), signal.SIGINT)"), "KeyboardInterrupt", -signal.SIGINT)
+        self.ends_in_zero(LOOP, "os.kill(os.getpid(), signal.SIGINT)", "KeyboardInterrupt", -signal.SIGINT)
 
     def test_sys_exit_in_a_tick(self):
-        self.ends_in_zero(LOOP.replace("END", "sys.exit(3)"), "", 3)
+        self.ends_in_zero(LOOP, "sys.exit(3)", "", 3)
 
     def test_a_tick_that_returns_nonsense(self):
-        self.ends_in_zero(LOOP.replace("END", "return 'hard'"), "what the tick returned: wanted 6 numbers")
+        self.ends_in_zero(LOOP, "return 'hard'", "what the tick returned: wanted 6 numbers", 1)
 
     def test_an_exception_in_a_loop_of_one_s_own(self):
-        self.ends_in_zero(OWN.replace("END", "raise ZeroDivisionError('here')"), "ZeroDivisionError: here")
+        self.ends_in_zero(OWN, "raise ZeroDivisionError('here')", "ZeroDivisionError: here", 1)
 
     def test_Ctrl_C_in_a_loop_of_one_s_own(self):
-        self.ends_in_zero(OWN.replace("END", "os.kill(os.getpid(), signal.SIGINT)"), "KeyboardInterrupt", -signal.SIGINT)
+        self.ends_in_zero(OWN, "os.kill(os.getpid(), signal.SIGINT)", "KeyboardInterrupt", -signal.SIGINT)
 
     def test_sys_exit_in_a_loop_of_one_s_own(self):
-        self.ends_in_zero(OWN.replace("END", "sys.exit(0)"), "", 0)
+        self.ends_in_zero(OWN, "sys.exit(3)", "", 3)
 
     def test_the_interpreter_s_end(self):
-        self.ends_in_zero(OWN.replace("END", "pass"), "", 0)
+        self.ends_in_zero(OWN, "pass", "", 0)
 
     def test_garbage(self):
-        self.ends_in_zero(OWN.replace("END", "break") + "del device; gc.collect(); os._exit(7)", "", 7)
+        self.ends_in_zero(OWN, "global device; del device; gc.collect(); os._exit(7)", "", 7)
 
     def test_a_fork_sends_nothing(self):
-        self.ends_in_zero(OWN.replace("END", """child = os.fork()
-        if child == 0:
-            del device
-            sys.exit(0)
-        os.waitpid(child, 0)"""), "", 0)
+        self.ends_in_zero(OWN, """global device
+    child = os.fork()
+    if child == 0:
+        del device
+        sys.exit(0)
+    os.waitpid(child, 0)""", "", 0)
 
     def test_Ctrl_C_in_the_library_s_loop(self):
-        self.ends_in_zero(SCENE, "KeyboardInterrupt", -signal.SIGINT)
+        self.ends_in_zero(SCENE.replace("FELT", "None"), "pass", "KeyboardInterrupt", -signal.SIGINT, signal.SIGINT)
 
     def test_an_exception_in_what_is_felt(self):
-        self.ends_in_zero(FELT.replace("END", "raise ZeroDivisionError('felt')"), "ZeroDivisionError: felt")
+        self.ends_in_zero(SCENE.replace("FELT", "felt"), "raise ZeroDivisionError('felt')", "ZeroDivisionError: felt", 1,
+                          signal.SIGUSR1)
 
     def test_a_scene_felt_is_recorded_and_read(self):
         with tempfile.TemporaryDirectory() as room:
@@ -232,11 +236,20 @@ class Safety(unittest.TestCase):
             self.assertEqual(wrench.tolist(), [0] * 6)
 
     def test_a_scene_stops_from_another_thread(self):
-        with dp.Scene("liver", "sim:?hand=press&live=1") as scene:
-            threading.Timer(0.3, scene.stop).start()
+        felt, seen = threading.Event(), []
+
+        def feel(state, wrench, dt, result):
+            seen.append(state.sequence)
+            if len(seen) == 50:
+                felt.set()
+
+        with dp.Scene("liver", "sim:?hand=press&live=1", felt=feel) as scene:
+            thread = threading.Thread(target=lambda: (felt.wait(), scene.stop()))
+            thread.start()
             stats = scene.run()
-            self.assertGreater(stats.ticks, 50)
-            self.assertFalse(scene.running)
+            thread.join()
+            self.assertGreaterEqual(stats.ticks, 50)
+            self.assertEqual((scene.running, len(seen)), (False, int(scene.info.ticks)))
 
 
 if __name__ == "__main__":

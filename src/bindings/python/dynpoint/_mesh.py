@@ -17,7 +17,7 @@ from ._structs import HIT, MESH_INFO, Floats, Numbers, Records, room
 PathLike = Union[str, "os.PathLike[str]"]
 M = TypeVar("M", bound="Mesh")
 
-UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "um": 1e-6, "inch": 0.0254, "foot": 0.3048}
+UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
 _OWN = {".obj", ".stl", ".ply", ".off"}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Dict
 
@@ -47,9 +48,7 @@ class Recording:
     def plot(self, axes: Any = None) -> Any:
         """Position, force and gap over time, by matplotlib; its figure. `axes`: three of your own."""
         if axes is None:
-            from matplotlib import pyplot
-
-            _, axes = pyplot.subplots(3, 1, sharex=True)
+            _, axes = import_module("matplotlib.pyplot").subplots(3, 1, sharex=True)
         time = self.time
         position = self.records["pose"][:, :3] * 1e3
         force = self.records["asked"][:, :3]
