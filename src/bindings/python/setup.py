@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Packs what the Makefile builds: the extension and the program (python.mk). DYNPOINT_PARTS names a folder that has them
-already; else make is called, in the tree that this lies in, or in `tree` of a source package."""
+already; else make is called, in the tree that this lies in, or in `tree` of a source package. DYNPOINT_TREE names another."""
 import os
 import re
 import shutil
@@ -13,7 +13,7 @@ from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE / "tree" if (HERE / "tree").is_dir() else HERE.parents[2]
+ROOT = Path(os.environ.get("DYNPOINT_TREE", HERE / "tree" if (HERE / "tree").is_dir() else HERE.parents[2]))
 VERSION = re.search(r'DPT_VERSION_STRING "(.*)"', (ROOT / "include/dynpoint/base.h").read_text(encoding="utf-8"))[1]
 
 
