@@ -157,8 +157,8 @@ static PyObject *mesh_compile(PyObject *type, PyObject *args, PyObject *keywords
 {
     PyObject *source, *triangles, *notes, *springs, *nodes, *cells, *mesh = NULL;
     const char *what;
-    if (!PyArg_ParseTuple(args, "sOOO!OOO:compile_source", &what, &source, &triangles, &PyList_Type, &notes, &springs, &nodes,
-                          &cells))
+    if (!PyArg_ParseTuple(args, "sOOO!OOO:compile_source", &what, &source, &triangles, &PyList_Type, &notes, &springs,
+                          &nodes, &cells))
         return NULL;
     Py_buffer views[6];
     memset(views, 0, sizeof views);
@@ -302,8 +302,8 @@ static PyObject *mesh_place(PyObject *self, PyObject *args)
     return Py_BuildValue("nI", (Py_ssize_t)((const char *)at - (const char *)((dpy_mesh *)self)->bytes), count);
 }
 
-static PyMethodDef methods[] = { { "compile_source", DPY_FASTCALL(mesh_compile), METH_VARARGS | METH_KEYWORDS | METH_CLASS,
-                                   NULL },
+static PyMethodDef methods[] = { { "compile_source", DPY_FASTCALL(mesh_compile),
+                                   METH_VARARGS | METH_KEYWORDS | METH_CLASS, NULL },
                                  { "query_rows", DPY_FASTCALL(mesh_query), METH_VARARGS | METH_KEYWORDS, NULL },
                                  { "get_info", mesh_get_info, METH_O, NULL },
                                  { "place", mesh_place, METH_VARARGS, NULL },

@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "bindings/python/python_numbers.h"
 
-#include "dynpoint.h"
 #include "dynpoint/baseline.h"
-#include "dynpoint/compile.h"
 #include "dynpoint/convex.h"
 #include "dynpoint/driver.h"
+#include "dynpoint/exchange.h"
 #include "dynpoint/host.h"
 #include "dynpoint/identify.h"
-#include "dynpoint/loop.h"
+#include "dynpoint/passivity.h"
+#include "dynpoint/query.h"
 #include "dynpoint/recorder.h"
 #include "dynpoint/selftest.h"
+#include "dynpoint/snapshot.h"
+#include "dynpoint/springs.h"
+#include "dynpoint/tip.h"
+#include "dynpoint/tool.h"
 #include "dynpoint/urdf.h"
 
 #include <string.h>
