@@ -159,6 +159,22 @@ class Feel(unittest.TestCase):
             body.pose = [0, 1, 0]
             self.assertEqual(body.pose.tolist(), [0, 1, 0, 1, 0, 0, 0])
 
+    def test_an_arm_moves(self):
+        arm = dp.Arm.load(Path(__file__).parent.parent / "golden/arm_2_mesh_6.dpa")
+        at = np.linspace(0.1, 0.4, int(arm.info.joints))
+        self.assertEqual((len(arm.joints), len(arm.links)), (arm.info.joints, arm.info.links))
+        change = np.array([arm.forward(at + 1e-6 * row)[:3] - arm.forward(at - 1e-6 * row)[:3] for row in np.eye(len(at))]) / 2e-6
+        self.assertTrue(np.allclose(change.T, arm.jacobian(at)[:3], atol=1e-8))
+        rates, wrench = np.arange(len(at)) + 1.0, np.array([1, 2, 3, 0.1, 0.2, 0.3])
+        self.assertTrue(np.allclose(arm.velocity(at, rates), arm.jacobian(at) @ rates))
+        self.assertTrue(np.allclose(arm.efforts(at, wrench), wrench @ arm.jacobian(at)))
+        self.assertEqual(len(arm.weight(at)), len(at))
+        for name, pose, mesh in arm.bodies:
+            self.assertEqual((len(pose), len(mesh) > 0), (7, True), name)
+        self.assertEqual(pickle.loads(pickle.dumps(arm)).info.name, arm.info.name)
+        with self.assertRaisesRegex(TypeError, "joints: wanted"):
+            arm.forward([0.1] * 9)
+
     def test_the_program_is_the_package_s(self):
         self.assertEqual(subprocess.run([*PYTHON, "--version"], capture_output=True, text=True).stdout, program("--version"))
         told = subprocess.run([*PYTHON, "info", self.dpa, "--json"], capture_output=True, text=True)

@@ -47,7 +47,9 @@ sdist: ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	cd $(PY)/sdist && $(PY_PYTHON) setup.py --quiet sdist --dist-dir ..
 	@ls $(PY)/dynpoint-*.tar.gz
 
-$(PY_SOURCES:%.c=$(B)/%.o): INCLUDES += -Itests/abi -isystem $(PY_INCLUDE)
+$(B)/src/bindings/python/%.o: src/bindings/python/%.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Itests/abi -isystem $(PY_INCLUDE) -c $< -o $@
 $(PY)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -I$(PY) -Idrivers -Itools -c $< -o $@
