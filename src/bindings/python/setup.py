@@ -29,7 +29,8 @@ class Build(build_ext):
         target = Path(self.get_ext_fullpath(ext.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(Path(parts) / "_dynpoint.abi3.so", target)
-        shutil.copy2(Path(parts) / "dynpoint", target.parent / "program")
+        for folder in {target.parent, HERE / "dynpoint"} if self.inplace or self.editable_mode else {target.parent}:
+            shutil.copy2(Path(parts) / "dynpoint", folder / "program")
 
 
 class Wheel(bdist_wheel):
