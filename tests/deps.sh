@@ -24,6 +24,7 @@ motors|9 MB, and 75 more from PyPI|libraries for Damiao, RobStride, CyberGear an
 view|234 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them; pictures|pkg-config libwebsockets-dev nodejs npm chromium webp
 build|26 MB|projects built with CMake; manual pages as they are shown|cmake groff
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
+python|9 MB, and 38 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
 wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs'
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
@@ -59,6 +60,7 @@ fetch_three() {
 fetch() {
     case $1 in
     kinematics) sh tests/lib/venv.sh build/venv-urdf tests/oracle/requirements.txt ;;
+    python) sh tests/lib/venv.sh build/venv-python tests/python/requirements.txt ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
     motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
     view) fetch_three ;;

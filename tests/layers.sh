@@ -225,7 +225,7 @@ FILENAME == ARGV[1] {
     source = $0
     sub(/[.](c|cc)$/, "")
     if ($0 in built) find("see", $0 ".o")
-    else if ($0 ~ /^src\/bindings\/wasm\//) next # for another machine (tests/wasm)
+    else if ($0 ~ /^src\/bindings\//) next # for another machine, or where `make wheel` was called (tests/wasm, tests/python)
     else if ($0 ~ /^(src\/scene\/(json_|scene_file)|tools\/plan\/plan_file_parse)/) {
         if (!told["json"]++) find("skip", "what reads scene files is not built: nothing says what it calls")
     } else if (folder_of($0) in folder || $0 !~ /^(src\/(urdf|convex|bindings)|drivers\/[^\/]*|tools\/view\/server)\//)

@@ -283,7 +283,7 @@ check-page: all $(B)/tests/page/feel_again ## the page with the core in it, agai
 pictures: all ## the pictures of README and docs: drawings by the core itself, stills and a moving one by a headless Chromium
 	@sh tests/pictures/make.sh $(B)
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs host_ticks)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs host_ticks python_ticks)
 measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
@@ -323,7 +323,7 @@ $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_
   $(patsubst %,$(B)/src/scene/%.o,host_file host_error scene_list) $(DRIVER_PARTS) $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
-$(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)
+$(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/python_ticks $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm -o $@
 
 $(B)/tests/bench/deform: %: %.o $(B)/tests/oracle/brute.o $(CORE)

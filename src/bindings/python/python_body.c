@@ -1,0 +1,339 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Bodies, rigid and deformable, and the springs that move the latter. */
+#include "bindings/python/python_mesh.h"
+#include "bindings/python/python_springs.h"
+#include "bindings/python/python_world.h"
+
+#include "dynpoint/body.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+PyObject *dpy_body_type;
+
+/* Let the world keep what a body needs. */
+static int keep(dpy_world *world, uint32_t id, PyObject *what)
+{
+    PyObject *key = PyLong_FromUnsignedLong(id);
+    int result = key ? PyDict_SetItem(world->kept, key, what) : -1;
+    Py_XDECREF(key);
+    return result;
+}
+
+static void free_block(PyObject *capsule)
+{
+    free(PyCapsule_GetPointer(capsule, NULL));
+}
+
+/* Body(world, mesh, pose=None, deformable=None): `deformable` is a dict of dpt_deformable_def's fields. */
+static PyObject *body_new(PyTypeObject *type, PyObject *args, PyObject *keywords)
+{
+    static char *names[] = { "world", "mesh", "pose", "deformable", NULL };
+    PyObject *world_object, *mesh_object, *at = Py_None, *settings = Py_None, *block = NULL, *kept = NULL;
+    if (!PyArg_ParseTupleAndKeywords(args, keywords, "OO|OO:Body", names, &world_object, &mesh_object, &at, &settings))
+        return NULL;
+    dpy_world *holder = dpy_world_of(world_object);
+    const dpt_mesh *mesh = holder ? dpy_mesh_of(mesh_object) : NULL;
+    dpt_pose room;
+    const dpt_pose *pose;
+    if (!mesh || dpy_get_pose(at, &room, &pose) != 0)
+        return NULL;
+    dpt_deformable_def def;
+    dpt_deformable_def_init(&def);
+    void *memory = NULL;
+    size_t bytes = 0;
+    if (settings != Py_None) {
+        if (dpy_fill(&def, "dpt_deformable_def", settings) != 0)
+            return NULL;
+        def.mesh = mesh;
+        def.pose = pose;
+        bytes = dpt_deformable_bytes(&def);
+        if (bytes == 0)
+            return dpy_fail(DPT_E_ARGUMENT, "DeformableBody", NULL);
+        if (posix_memalign(&memory, 64, bytes) != 0)
+            return PyErr_NoMemory();
+        block = PyCapsule_New(memory, NULL, free_block);
+        if (!block) {
+            free(memory);
+            return NULL;
+        }
+    }
+    PyObject *self = NULL;
+    kept = block ? PyTuple_Pack(2, mesh_object, block) : PyTuple_Pack(1, mesh_object);
+    dpt_world *world = kept ? dpy_world_enter(holder, "Body") : NULL;
+    if (world) {
+        dpt_body body = 0;
+        dpt_result result =
+            block ? dpt_body_add_deformable(world, memory, bytes, &def, &body) : dpt_body_add(world, mesh, pose, &body);
+        if (result != DPT_OK)
+            dpy_fail(result, block ? "DeformableBody" : "Body", NULL);
+        else if (keep(holder, body, kept) != 0 || !(self = dpy_member_make(type, holder, body, mesh_object)))
+            dpt_body_remove(world, body);
+        dpy_world_leave(holder);
+    }
+    Py_XDECREF(kept);
+    Py_XDECREF(block);
+    return self;
+}
+
+/* A body that is there already, as a scene's: of(world, id, mesh). */
+static PyObject *body_of(PyObject *type, PyObject *args)
+{
+    PyObject *world, *mesh;
+    unsigned id;
+    if (!PyArg_ParseTuple(args, "OIO:of", &world, &id, &mesh))
+        return NULL;
+    dpy_world *holder = dpy_world_of(world);
+    return holder ? dpy_member_make((PyTypeObject *)type, holder, id, mesh == Py_None ? NULL : mesh) : NULL;
+}
+
+/* A call on the body's world; `call` uses `world` and `self->id`. */
+#define ON_WORLD(what, call)                                                                                           \
+    dpt_world *world = dpy_world_enter(self->world, what);                                                             \
+    if (!world)                                                                                                        \
+        return NULL;                                                                                                   \
+    dpt_result result = (call);                                                                                        \
+    dpy_world_leave(self->world)
+
+static PyObject *body_remove(PyObject *object, PyObject *unused)
+{
+    dpy_member *self = (dpy_member *)object;
+    (void)unused;
+    ON_WORLD("Body.remove", dpt_body_remove(world, self->id));
+    if (result != DPT_OK)
+        return dpy_fail(result, "Body.remove", NULL);
+    PyObject *key = PyLong_FromUnsignedLong(self->id);
+    if (key && PyDict_DelItem(self->world->kept, key) != 0)
+        PyErr_Clear();
+    Py_XDECREF(key);
+    Py_RETURN_NONE;
+}
+
+static PyObject *body_set_pose(PyObject *object, PyObject *to)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_pose room;
+    const dpt_pose *pose;
+    if (dpy_get_pose(to, &room, &pose) != 0)
+        return NULL;
+    ON_WORLD("Body.set_pose", dpt_body_set_pose(world, self->id, pose));
+    return dpy_result(result, "Body.set_pose");
+}
+
+static PyObject *body_teleport(PyObject *object, PyObject *to)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_pose room;
+    const dpt_pose *pose;
+    if (dpy_get_pose(to, &room, &pose) != 0)
+        return NULL;
+    ON_WORLD("Body.teleport", dpt_body_teleport(world, self->id, pose));
+    return dpy_result(result, "Body.teleport");
+}
+
+static PyObject *body_get_pose(PyObject *object, PyObject *unused)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_pose pose;
+    (void)unused;
+    ON_WORLD("Body.pose", dpt_body_get_pose(world, self->id, &pose));
+    return result == DPT_OK ? dpy_make_pose(&pose) : dpy_fail(result, "Body.pose", NULL);
+}
+
+static PyObject *body_get_wrench(PyObject *object, PyObject *unused)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_wrench wrench;
+    (void)unused;
+    ON_WORLD("Body.wrench", dpt_body_get_wrench(world, self->id, &wrench));
+    return result == DPT_OK ? dpy_make_numbers(wrench.force, 6) : dpy_fail(result, "Body.wrench", NULL);
+}
+
+static PyObject *body_get_setting(PyObject *object, PyObject *name)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_body_settings settings = { .size = sizeof settings };
+    PyObject *utf8 = PyUnicode_AsUTF8String(name);
+    const dpy_field *field = utf8 ? dpy_find_field("dpt_body_settings", PyBytes_AsString(utf8)) : NULL;
+    Py_XDECREF(utf8);
+    if (!field)
+        return NULL;
+    ON_WORLD("Body", dpt_body_get_settings(world, self->id, &settings));
+    return result == DPT_OK ? dpy_read_field(&settings, field) : dpy_fail(result, "Body", NULL);
+}
+
+/* set_settings(**settings): all of them, or none after an error. */
+static PyObject *body_set_settings(PyObject *object, PyObject *args, PyObject *keywords)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_body_settings settings = { .size = sizeof settings };
+    (void)args;
+    {
+        ON_WORLD("Body", dpt_body_get_settings(world, self->id, &settings));
+        if (result != DPT_OK)
+            return dpy_fail(result, "Body", NULL);
+    }
+    if (dpy_fill(&settings, "dpt_body_settings", keywords) != 0)
+        return NULL;
+    ON_WORLD("Body", dpt_body_set_settings(world, self->id, &settings));
+    return dpy_result(result, "Body");
+}
+
+static PyObject *body_is_valid(PyObject *object, void *unused)
+{
+    dpy_member *self = (dpy_member *)object;
+    (void)unused;
+    if (!self->world->world)
+        Py_RETURN_FALSE;
+    dpt_world *world = dpy_world_enter(self->world, "Body.valid");
+    if (!world)
+        return NULL;
+    int is_valid = dpt_body_is_valid(world, self->id);
+    dpy_world_leave(self->world);
+    return PyBool_FromLong(is_valid);
+}
+
+static PyObject *body_get_id(PyObject *self, void *unused)
+{
+    (void)unused;
+    return PyLong_FromUnsignedLong(((dpy_member *)self)->id);
+}
+
+static PyObject *get_part(PyObject *part)
+{
+    return Py_NewRef(part ? part : Py_None);
+}
+
+static PyObject *body_get_mesh(PyObject *self, void *unused)
+{
+    (void)unused;
+    return get_part(((dpy_member *)self)->part);
+}
+
+static PyObject *body_get_world(PyObject *self, void *unused)
+{
+    (void)unused;
+    return Py_NewRef((PyObject *)((dpy_member *)self)->world);
+}
+
+/* set_vertices(positions, first, bound): float32 of shape (n, 3) */
+static PyObject *body_set_vertices(PyObject *object, PyObject *args)
+{
+    dpy_member *self = (dpy_member *)object;
+    PyObject *from;
+    unsigned first;
+    double bound;
+    Py_ssize_t count;
+    Py_buffer view;
+    if (!PyArg_ParseTuple(args, "OId:set_vertices", &from, &first, &bound) ||
+        dpy_get_array(from, &view, "f", 4, 3, &count, "vertices") != 0)
+        return NULL;
+    dpt_world *world = dpy_world_enter(self->world, "DeformableBody.set_vertices");
+    dpt_result result =
+        world ? dpt_body_set_vertices(world, self->id, first, (uint32_t)count, view.buf, bound) : DPT_OK;
+    if (world)
+        dpy_world_leave(self->world);
+    PyBuffer_Release(&view);
+    return world ? dpy_result(result, "DeformableBody.set_vertices") : NULL;
+}
+
+/* get_vertices(out): float32 of shape (n, 3), n being all of them; returns n, and writes nothing where `out` has not n. */
+static PyObject *body_get_vertices(PyObject *object, PyObject *to)
+{
+    dpy_member *self = (dpy_member *)object;
+    Py_buffer view;
+    Py_ssize_t rows;
+    if (dpy_get_array(to, &view, "f", 4, 3, &rows, "out") != 0)
+        return NULL;
+    const float *positions;
+    uint32_t count = 0;
+    dpt_world *world = dpy_world_enter(self->world, "DeformableBody.vertices");
+    dpt_result result = world ? dpt_body_get_vertices(world, self->id, &positions, &count) : DPT_OK;
+    if (world && result == DPT_OK && (uint32_t)rows == count && !view.readonly)
+        memcpy(view.buf, positions, (size_t)view.len);
+    if (world)
+        dpy_world_leave(self->world);
+    PyBuffer_Release(&view);
+    if (!world)
+        return NULL;
+    return result == DPT_OK ? PyLong_FromUnsignedLong(count) : dpy_fail(result, "DeformableBody.vertices", NULL);
+}
+
+/* get_loads(out): how many there are; those are in `out` if it has room for all. */
+static PyObject *body_get_loads(PyObject *object, PyObject *to)
+{
+    dpy_member *self = (dpy_member *)object;
+    Py_buffer view;
+    Py_ssize_t rows;
+    if (dpy_get_array(to, &view, "", sizeof(dpt_load), 1, &rows, "out") != 0)
+        return NULL;
+    uint32_t count = 0;
+    dpt_world *world = dpy_world_enter(self->world, "DeformableBody.loads");
+    dpt_result result =
+        world && !view.readonly ? dpt_body_get_loads(world, self->id, view.buf, (uint32_t)rows, &count) : DPT_OK;
+    if (world)
+        dpy_world_leave(self->world);
+    PyBuffer_Release(&view);
+    if (!world)
+        return NULL;
+    if (result == DPT_E_FULL && count > rows)
+        result = DPT_OK;
+    return result == DPT_OK ? PyLong_FromUnsignedLong(count) : dpy_fail(result, "DeformableBody.loads", NULL);
+}
+
+/* step_springs(springs, dt, info): physics of the tissue, without Python's lock. */
+static PyObject *body_step_springs(PyObject *object, PyObject *args)
+{
+    dpy_member *self = (dpy_member *)object;
+    PyObject *springs_object, *info;
+    double dt;
+    Py_buffer view;
+    if (!PyArg_ParseTuple(args, "OdO:step_springs", &springs_object, &dt, &info))
+        return NULL;
+    if (dpy_get_structs(info, &view, sizeof(dpt_springs_info), NULL, "info") != 0)
+        return NULL;
+    dpt_springs *springs = dpy_springs_enter(springs_object, "DeformableBody.step_springs");
+    dpt_world *world = springs ? dpy_world_enter(self->world, "DeformableBody.step_springs") : NULL;
+    dpt_result result = DPT_OK;
+    if (world) {
+        Py_BEGIN_ALLOW_THREADS result = dpt_body_step_springs(world, self->id, springs, dt, view.buf);
+        Py_END_ALLOW_THREADS dpy_world_leave(self->world);
+    }
+    if (springs)
+        dpy_springs_leave(springs_object);
+    PyBuffer_Release(&view);
+    return world ? dpy_result(result, "DeformableBody.step_springs") : NULL;
+}
+
+static PyMethodDef methods[] = { { "of", body_of, METH_VARARGS | METH_CLASS, NULL },
+                                 { "remove", body_remove, METH_NOARGS, NULL },
+                                 { "set_pose", body_set_pose, METH_O, NULL },
+                                 { "teleport", body_teleport, METH_O, NULL },
+                                 { "get_pose", body_get_pose, METH_NOARGS, NULL },
+                                 { "get_wrench", body_get_wrench, METH_NOARGS, NULL },
+                                 { "get_setting", body_get_setting, METH_O, NULL },
+                                 { "set_settings", DPY_FASTCALL(body_set_settings), METH_VARARGS | METH_KEYWORDS,
+                                   NULL },
+                                 { "set_vertices", body_set_vertices, METH_VARARGS, NULL },
+                                 { "get_vertices", body_get_vertices, METH_O, NULL },
+                                 { "get_loads", body_get_loads, METH_O, NULL },
+                                 { "step_springs", body_step_springs, METH_VARARGS, NULL },
+                                 { NULL, NULL, 0, NULL } };
+static PyGetSetDef properties[] = { { "valid", body_is_valid, NULL, NULL, NULL },
+                                    { "id", body_get_id, NULL, NULL, NULL },
+                                    { "mesh", body_get_mesh, NULL, NULL, NULL },
+                                    { "world", body_get_world, NULL, NULL, NULL },
+                                    { NULL, NULL, NULL, NULL, NULL } };
+static PyType_Slot slots[] = { { Py_tp_new, body_new },
+                               { Py_tp_dealloc, dpy_member_dealloc },
+                               { Py_tp_methods, methods },
+                               { Py_tp_getset, properties },
+                               { 0, NULL } };
+static PyType_Spec spec = { "dynpoint._dynpoint.Body", sizeof(dpy_member), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE,
+                            slots };
+
+int dpy_body_init(PyObject *module)
+{
+    dpy_body_type = dpy_add_type(module, &spec);
+    return dpy_body_type ? 0 : -1;
+}

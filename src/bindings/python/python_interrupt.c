@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "bindings/python/python_interrupt.h"
+
+#include <signal.h>
+
+enum { LOOPS_MAX = 16 };
+
+/* Loops that run now. The handler reads it; a place is taken and given back with Python's lock. */
+static dpy_interrupt *volatile running[LOOPS_MAX];
+static volatile sig_atomic_t came;
+static int count;
+static struct sigaction before;
+
+static void end_loops(int number)
+{
+    (void)number;
+    came = 1;
+    for (int i = 0; i < LOOPS_MAX; i++) {
+        dpy_interrupt *interrupt = running[i];
+        if (interrupt)
+            interrupt->stop(interrupt->loop);
+    }
+}
+
+int dpy_interrupt_begin(dpy_interrupt *interrupt)
+{
+    int place = 0;
+    while (place < LOOPS_MAX && running[place])
+        place++;
+    if (place == LOOPS_MAX) {
+        PyErr_Format(PyExc_RuntimeError, "%d loops run already", LOOPS_MAX);
+        return -1;
+    }
+    interrupt->place = place;
+    running[place] = interrupt;
+    if (count++ > 0)
+        return 0;
+    came = 0;
+    struct sigaction action;
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = 0;
+    action.sa_handler = end_loops;
+    /* A process that does not listen to it goes on so. */
+    if (sigaction(SIGINT, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(SIGINT, &action, NULL);
+    return 0;
+}
+
+int dpy_interrupt_end(dpy_interrupt *interrupt)
+{
+    running[interrupt->place] = NULL;
+    if (--count > 0)
+        return 0;
+    if (before.sa_handler != SIG_IGN)
+        sigaction(SIGINT, &before, NULL);
+    if (!came)
+        return 0;
+    came = 0;
+    PyErr_SetInterrupt();
+    return PyErr_CheckSignals();
+}

@@ -1,0 +1,364 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "bindings/python/python_world.h"
+
+#include "dynpoint/tool.h"
+
+#include <string.h>
+
+PyObject *dpy_tool_type;
+
+/* Tool(world, segments): structs */
+static PyObject *tool_new(PyTypeObject *type, PyObject *args, PyObject *keywords)
+{
+    static char *names[] = { "world", "segments", NULL };
+    PyObject *world_object, *segments, *self = NULL;
+    Py_buffer view;
+    Py_ssize_t count;
+    if (!PyArg_ParseTupleAndKeywords(args, keywords, "OO:Tool", names, &world_object, &segments))
+        return NULL;
+    dpy_world *holder = dpy_world_of(world_object);
+    if (!holder || dpy_get_array(segments, &view, "", sizeof(dpt_segment), 1, &count, "segments") != 0)
+        return NULL;
+    dpt_world *world = dpy_world_enter(holder, "Tool");
+    if (world) {
+        dpt_tool tool = 0;
+        dpt_result result = dpt_tool_add(world, view.buf, (uint32_t)count, &tool);
+        if (result != DPT_OK)
+            dpy_fail(result, "Tool", NULL);
+        else if (!(self = dpy_member_make(type, holder, tool, NULL)))
+            dpt_tool_remove(world, tool);
+        dpy_world_leave(holder);
+    }
+    PyBuffer_Release(&view);
+    return self;
+}
+
+/* A tool that is there already, as a scene's: of(world, id). */
+static PyObject *tool_of(PyObject *type, PyObject *args)
+{
+    PyObject *world;
+    unsigned id;
+    if (!PyArg_ParseTuple(args, "OI:of", &world, &id))
+        return NULL;
+    dpy_world *holder = dpy_world_of(world);
+    return holder ? dpy_member_make((PyTypeObject *)type, holder, id, NULL) : NULL;
+}
+
+#define ON_WORLD(what, call)                                                                                           \
+    dpt_world *world = dpy_world_enter(self->world, what);                                                             \
+    if (!world)                                                                                                        \
+        return NULL;                                                                                                   \
+    dpt_result result = (call);                                                                                        \
+    dpy_world_leave(self->world)
+
+static PyObject *tool_remove(PyObject *object, PyObject *unused)
+{
+    dpy_member *self = (dpy_member *)object;
+    (void)unused;
+    ON_WORLD("Tool.remove", dpt_tool_remove(world, self->id));
+    return dpy_result(result, "Tool.remove");
+}
+
+static PyObject *tool_set_pose(PyObject *object, PyObject *to)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_pose room;
+    const dpt_pose *pose;
+    if (dpy_get_pose(to, &room, &pose) != 0)
+        return NULL;
+    ON_WORLD("Tool.set_pose", dpt_tool_set_pose(world, self->id, pose));
+    return dpy_result(result, "Tool.set_pose");
+}
+
+static PyObject *tool_teleport(PyObject *object, PyObject *to)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_pose room;
+    const dpt_pose *pose;
+    if (dpy_get_pose(to, &room, &pose) != 0)
+        return NULL;
+    ON_WORLD("Tool.teleport", dpt_tool_teleport(world, self->id, pose));
+    return dpy_result(result, "Tool.teleport");
+}
+
+static PyObject *tool_set_segments(PyObject *object, PyObject *segments)
+{
+    dpy_member *self = (dpy_member *)object;
+    Py_buffer view;
+    Py_ssize_t count;
+    if (dpy_get_array(segments, &view, "", sizeof(dpt_segment), 1, &count, "segments") != 0)
+        return NULL;
+    dpt_world *world = dpy_world_enter(self->world, "Tool.set_segments");
+    dpt_result result = world ? dpt_tool_set_segments(world, self->id, view.buf, (uint32_t)count) : DPT_OK;
+    if (world)
+        dpy_world_leave(self->world);
+    PyBuffer_Release(&view);
+    return world ? dpy_result(result, "Tool.set_segments") : NULL;
+}
+
+static PyObject *get_pose(PyObject *object, const char *what,
+                          dpt_result (*get)(const dpt_world *, dpt_tool, dpt_pose *))
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_pose pose;
+    ON_WORLD(what, get(world, self->id, &pose));
+    return result == DPT_OK ? dpy_make_pose(&pose) : dpy_fail(result, what, NULL);
+}
+
+static PyObject *tool_get_pose(PyObject *self, PyObject *unused)
+{
+    (void)unused;
+    return get_pose(self, "Tool.pose", dpt_tool_get_pose);
+}
+
+static PyObject *tool_get_proxy(PyObject *self, PyObject *unused)
+{
+    (void)unused;
+    return get_pose(self, "Tool.proxy", dpt_tool_get_proxy);
+}
+
+/* Six float64 that can be written to: force, then torque. */
+static int get_wrench_buffer(PyObject *to, Py_buffer *view)
+{
+    Py_ssize_t rows;
+    if (dpy_get_array(to, view, "d", 8, 1, &rows, "out") != 0)
+        return -1;
+    if (rows == 6 && !view->readonly)
+        return 0;
+    PyBuffer_Release(view);
+    PyErr_SetString(PyExc_ValueError, "out: wanted 6 numbers of float64 that can be written to");
+    return -1;
+}
+
+/* get_wrench(out=None): a tuple of 6, or `out`. */
+static PyObject *tool_get_wrench(PyObject *object, PyObject *const *args, Py_ssize_t count)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_wrench wrench;
+    if (count > 1) {
+        PyErr_SetString(PyExc_TypeError, "Tool.get_wrench(out=None)");
+        return NULL;
+    }
+    Py_buffer view;
+    int has_out = count == 1 && args[0] != Py_None;
+    if (has_out && get_wrench_buffer(args[0], &view) != 0)
+        return NULL;
+    dpt_world *world = dpy_world_enter(self->world, "Tool.get_wrench");
+    dpt_result result = world ? dpt_tool_get_wrench(world, self->id, &wrench) : DPT_OK;
+    if (world)
+        dpy_world_leave(self->world);
+    if (has_out) {
+        if (world)
+            memcpy(view.buf, &wrench, sizeof wrench);
+        PyBuffer_Release(&view);
+    }
+    if (!world)
+        return NULL;
+    if (result != DPT_OK)
+        return dpy_fail(result, "Tool.get_wrench", NULL);
+    return has_out ? Py_NewRef(args[0]) : dpy_make_numbers(wrench.force, 6);
+}
+
+/* tick(pose, dt, out=None): set_pose, World.step and get_wrench in one call. */
+static PyObject *tool_tick(PyObject *object, PyObject *const *args, Py_ssize_t count)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_pose room;
+    const dpt_pose *pose;
+    dpt_wrench wrench;
+    Py_buffer view;
+    if (count < 2 || count > 3) {
+        PyErr_SetString(PyExc_TypeError, "Tool.tick(pose, dt, out=None)");
+        return NULL;
+    }
+    double dt = PyFloat_AsDouble(args[1]);
+    if ((dt == -1 && PyErr_Occurred()) || dpy_get_pose(args[0], &room, &pose) != 0)
+        return NULL;
+    int has_out = count == 3 && args[2] != Py_None;
+    if (has_out && get_wrench_buffer(args[2], &view) != 0)
+        return NULL;
+    dpt_world *world = dpy_world_enter(self->world, "Tool.tick");
+    dpt_result result = DPT_OK;
+    if (world) {
+        /* A pose that cannot be used ends the force: the step tells so, and is made. */
+        dpt_result moved = dpt_tool_set_pose(world, self->id, pose);
+        dpt_result stepped = dpt_world_step(world, dt, NULL);
+        result = moved != DPT_OK ? moved : stepped;
+        dpt_result got = dpt_tool_get_wrench(world, self->id, &wrench);
+        if (result == DPT_OK)
+            result = got;
+        dpy_world_leave(self->world);
+    }
+    if (has_out) {
+        if (world)
+            memcpy(view.buf, &wrench, sizeof wrench);
+        PyBuffer_Release(&view);
+    }
+    if (!world)
+        return NULL;
+    if (result != DPT_OK)
+        return dpy_fail(result, "Tool.tick", NULL);
+    return has_out ? Py_NewRef(args[2]) : dpy_make_numbers(wrench.force, 6);
+}
+
+/* get(name, out, segment=0): one struct of the last step. */
+static PyObject *tool_get(PyObject *object, PyObject *args)
+{
+    dpy_member *self = (dpy_member *)object;
+    const char *name;
+    PyObject *to;
+    unsigned segment = 0;
+    Py_buffer view;
+    if (!PyArg_ParseTuple(args, "sO|I:get", &name, &to, &segment))
+        return NULL;
+    Py_ssize_t bytes = strcmp(name, "hit") == 0 || strcmp(name, "segment_hit") == 0 ? (Py_ssize_t)sizeof(dpt_hit)
+                       : strcmp(name, "force") == 0                                 ? (Py_ssize_t)sizeof(dpt_force_info)
+                                                                                    : (Py_ssize_t)sizeof(dpt_sweep);
+    if (dpy_get_structs(to, &view, bytes, NULL, "out") != 0)
+        return NULL;
+    dpt_world *world = dpy_world_enter(self->world, "Tool");
+    dpt_result result = DPT_OK;
+    if (world) {
+        result = strcmp(name, "hit") == 0           ? dpt_tool_get_hit(world, self->id, view.buf)
+                 : strcmp(name, "segment_hit") == 0 ? dpt_tool_get_segment_hit(world, self->id, segment, view.buf)
+                 : strcmp(name, "force") == 0       ? dpt_tool_get_force_info(world, self->id, view.buf)
+                                                    : dpt_tool_get_sweep(world, self->id, segment, view.buf);
+        dpy_world_leave(self->world);
+    }
+    PyBuffer_Release(&view);
+    return world ? dpy_result(result, "Tool") : NULL;
+}
+
+/* list(name, out): how many there are; `out` has as many of them as it has room for. */
+static PyObject *tool_list(PyObject *object, PyObject *args)
+{
+    dpy_member *self = (dpy_member *)object;
+    const char *name;
+    PyObject *to;
+    Py_buffer view;
+    Py_ssize_t rows;
+    if (!PyArg_ParseTuple(args, "sO:list", &name, &to))
+        return NULL;
+    int is_contacts = strcmp(name, "contacts") == 0;
+    if (dpy_get_structs(to, &view, is_contacts ? sizeof(dpt_contact) : sizeof(dpt_tool_load), &rows, "out") != 0)
+        return NULL;
+    uint32_t count = 0;
+    dpt_world *world = dpy_world_enter(self->world, "Tool");
+    dpt_result result = DPT_OK;
+    if (world) {
+        result = is_contacts ? dpt_tool_get_contacts(world, self->id, view.buf, (uint32_t)rows, &count)
+                             : dpt_tool_get_loads(world, self->id, view.buf, (uint32_t)rows, &count);
+        dpy_world_leave(self->world);
+    }
+    PyBuffer_Release(&view);
+    if (!world)
+        return NULL;
+    if (result != DPT_OK)
+        return dpy_fail(result, is_contacts ? "Tool.contacts" : "Tool.loads",
+                        is_contacts && result == DPT_E_FULL ? "the world lists no contacts: give it max_contacts"
+                                                            : NULL);
+    return PyLong_FromUnsignedLong(count);
+}
+
+/* get_body_wrench(body): what this tool does to it. */
+static PyObject *tool_get_body_wrench(PyObject *object, PyObject *body)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_wrench wrench;
+    if (!PyObject_TypeCheck(body, (PyTypeObject *)dpy_body_type)) {
+        PyErr_Format(PyExc_TypeError, "get_body_wrench: wanted a Body, not %R", body);
+        return NULL;
+    }
+    ON_WORLD("Tool.get_body_wrench", dpt_tool_get_body_wrench(world, self->id, ((dpy_member *)body)->id, &wrench));
+    return result == DPT_OK ? dpy_make_numbers(wrench.force, 6) : dpy_fail(result, "Tool.get_body_wrench", NULL);
+}
+
+static PyObject *tool_get_setting(PyObject *object, PyObject *name)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_tool_settings settings = { .size = sizeof settings };
+    PyObject *utf8 = PyUnicode_AsUTF8String(name);
+    const dpy_field *field = utf8 ? dpy_find_field("dpt_tool_settings", PyBytes_AsString(utf8)) : NULL;
+    Py_XDECREF(utf8);
+    if (!field)
+        return NULL;
+    ON_WORLD("Tool", dpt_tool_get_settings(world, self->id, &settings));
+    return result == DPT_OK ? dpy_read_field(&settings, field) : dpy_fail(result, "Tool", NULL);
+}
+
+/* set_settings(**settings): all of them, or none after an error. */
+static PyObject *tool_set_settings(PyObject *object, PyObject *args, PyObject *keywords)
+{
+    dpy_member *self = (dpy_member *)object;
+    dpt_tool_settings settings = { .size = sizeof settings };
+    (void)args;
+    {
+        ON_WORLD("Tool", dpt_tool_get_settings(world, self->id, &settings));
+        if (result != DPT_OK)
+            return dpy_fail(result, "Tool", NULL);
+    }
+    if (dpy_fill(&settings, "dpt_tool_settings", keywords) != 0)
+        return NULL;
+    ON_WORLD("Tool", dpt_tool_set_settings(world, self->id, &settings));
+    return dpy_result(result, "Tool");
+}
+
+static PyObject *tool_is_valid(PyObject *object, void *unused)
+{
+    dpy_member *self = (dpy_member *)object;
+    (void)unused;
+    if (!self->world->world)
+        Py_RETURN_FALSE;
+    dpt_world *world = dpy_world_enter(self->world, "Tool.valid");
+    if (!world)
+        return NULL;
+    int is_valid = dpt_tool_is_valid(world, self->id);
+    dpy_world_leave(self->world);
+    return PyBool_FromLong(is_valid);
+}
+
+static PyObject *tool_get_id(PyObject *self, void *unused)
+{
+    (void)unused;
+    return PyLong_FromUnsignedLong(((dpy_member *)self)->id);
+}
+
+static PyObject *tool_get_world(PyObject *self, void *unused)
+{
+    (void)unused;
+    return Py_NewRef((PyObject *)((dpy_member *)self)->world);
+}
+
+static PyMethodDef methods[] = { { "of", tool_of, METH_VARARGS | METH_CLASS, NULL },
+                                 { "remove", tool_remove, METH_NOARGS, NULL },
+                                 { "set_pose", tool_set_pose, METH_O, NULL },
+                                 { "teleport", tool_teleport, METH_O, NULL },
+                                 { "put_segments", tool_set_segments, METH_O, NULL },
+                                 { "get_pose", tool_get_pose, METH_NOARGS, NULL },
+                                 { "get_proxy", tool_get_proxy, METH_NOARGS, NULL },
+                                 { "get_wrench", DPY_FASTCALL(tool_get_wrench), METH_FASTCALL, NULL },
+                                 { "tick", DPY_FASTCALL(tool_tick), METH_FASTCALL, NULL },
+                                 { "get", tool_get, METH_VARARGS, NULL },
+                                 { "list", tool_list, METH_VARARGS, NULL },
+                                 { "get_body_wrench", tool_get_body_wrench, METH_O, NULL },
+                                 { "get_setting", tool_get_setting, METH_O, NULL },
+                                 { "set_settings", DPY_FASTCALL(tool_set_settings), METH_VARARGS | METH_KEYWORDS,
+                                   NULL },
+                                 { NULL, NULL, 0, NULL } };
+static PyGetSetDef properties[] = { { "valid", tool_is_valid, NULL, NULL, NULL },
+                                    { "id", tool_get_id, NULL, NULL, NULL },
+                                    { "world", tool_get_world, NULL, NULL, NULL },
+                                    { NULL, NULL, NULL, NULL, NULL } };
+static PyType_Slot slots[] = { { Py_tp_new, tool_new },
+                               { Py_tp_dealloc, dpy_member_dealloc },
+                               { Py_tp_methods, methods },
+                               { Py_tp_getset, properties },
+                               { 0, NULL } };
+static PyType_Spec spec = { "dynpoint._dynpoint.Tool", sizeof(dpy_member), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_BASETYPE,
+                            slots };
+
+int dpy_tool_init(PyObject *module)
+{
+    dpy_tool_type = dpy_add_type(module, &spec);
+    return dpy_tool_type ? 0 : -1;
+}

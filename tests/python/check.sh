@@ -1,0 +1,36 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# The package of Python: a wheel is built, installed into a folder, and tested there.
+#
+#     sh tests/python/check.sh [BUILD=build]
+set -u
+cd "$(dirname "$0")/../.." || exit 2
+. tests/lib/verdict.sh
+. tests/lib/count.sh
+build=${1:-build}
+python=$PWD/$build/venv-python/bin/python room=$(mktemp -d) || exit 2
+trap 'rm -rf "$room"' EXIT
+
+if [ ! -f "$build/venv-python/complete" ]; then
+    skip "Python's package: no packages to build and test it (make deps python)"
+    finish
+fi
+site=$PWD/$build/python/site
+rm -rf "$site"
+make -s wheel PYTHON="$python" CFLAGS_EXTRA=-Werror >"$room/make" 2>&1
+verdict $? "make wheel: $(tail -n 1 "$room/make")"
+log=$build/python/check.log
+: >"$log"
+check "it installs" "$python" -m pip install --quiet --no-index --no-deps --target "$site" "$build"/python/dynpoint-*.whl
+check "it keeps to the stable ABI of 3.11, see $log" "$build/venv-python/bin/abi3audit" --strict "$build"/python/dynpoint-*.whl
+check "its types pass mypy --strict, see $log" env MYPYPATH="$site" "$build/venv-python/bin/mypy" --strict \
+    --cache-dir "$build/python/mypy" -p dynpoint
+check "a user's types do, see $log" env MYPYPATH="$site" "$build/venv-python/bin/mypy" --strict \
+    --cache-dir "$build/python/mypy" tests/python/typed.py
+log=
+# Away from the tree: nothing of it is found by accident.
+for test in feel.py misuse.py life.py safety.py; do
+    count "${test%.py}" env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" "$python" -X dev -W ignore::ResourceWarning \
+        "tests/python/$test"
+done
+finish
