@@ -127,9 +127,14 @@ static void set_yield(const struct tissue_solve *solve, struct tissue_link *link
     link->spread = 2.0 * part_radius(tool_part(solve->world, &solve->world->tools[touch->tool_slot], touch->part));
 }
 
-/* The corners of the triangle alone. */
+/* The corners of the triangle alone, or the touch's vertices. */
 static void add_corners(struct linking *linking, const struct surface *surface, const struct touch *touch)
 {
+    const struct touch_vertices *all = &linking->solve->vertices;
+    for (uint32_t i = touch->vertices; i; i = all->vertex[i - 1].next)
+        add_corner(linking, all->vertex[i - 1].vertex, all->vertex[i - 1].share);
+    if (touch->vertices)
+        return;
     for (uint32_t k = 0; k < 3; k++)
         if (touch->weight[k] != 0.0)
             add_corner(linking, surface_corner(surface, touch->triangle, k), touch->weight[k]);

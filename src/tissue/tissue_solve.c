@@ -184,7 +184,8 @@ static void set_gaps_of_rubs(struct tissue_solve *solve)
 
 static struct touch_name name_of(const struct touch *touch)
 {
-    return (struct touch_name){ touch->tool_slot, touch->part, touch->body_id, touch->triangle, touch->feature };
+    return (struct touch_name){ touch->tool_slot, touch->part, touch->body_id,
+                                touch->vertices ? touch->name : touch->triangle, touch->feature };
 }
 
 /* The touches that held in the last step, and their rubs. */

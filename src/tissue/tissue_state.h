@@ -163,7 +163,8 @@ struct tissue_solve {
     struct tissue_tool tools[TISSUE_TOOLS_MAX];
     double told[TISSUE_TOOLS_MAX][TOUCH_DIMENSIONS]; /* what each tool felt then */
     struct touches touches;
-    struct touches room; /* at the end of the step */
+    struct touch_vertices vertices; /* of touches */
+    struct touches room;            /* at the end of the step */
     struct tissue_link links[TOUCHES_MAX];
     struct tissue_node nodes[TISSUE_NODES_MAX];
     uint32_t linked;       /* links that were made, from 1 on */

@@ -112,6 +112,7 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
                                    .tool = tool,
                                    .proxy = proxy,
                                    .at = &made->at,
+                                   .vertices = &solve->vertices,
                                    .reach = reach + motion_of(tool, proxy),
                                    .work = &solve->work };
     *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
@@ -133,7 +134,7 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
 
 void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach)
 {
-    solve->touches.count = solve->touches.is_full = solve->tool_count = 0;
+    solve->touches.count = solve->touches.is_full = solve->tool_count = solve->vertices.count = 0;
     solve->world = world;
     solve->is_touched = 0;
     for (uint32_t t = 0; t < world->tool_slot_end; t++)

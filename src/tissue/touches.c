@@ -8,6 +8,7 @@
 #include "nearest/bvh.h"
 #include "nearest/pair_features.h"
 #include "proxy/proxy.h"
+#include "track/deform_state.h"
 #include "track/tool_parts.h"
 
 /* Pairs whose points (m) and unit normals differ by no more are one: those of an edge or a corner, of each triangle at it. */
@@ -27,8 +28,10 @@ struct touching_part {
     uint32_t part;
     uint32_t triangle;
     double radius, clearance;
-    vec3 a, u;              /* of a segment */
-    struct hull_place hull; /* of a tip */
+    vec3 a, u;                 /* of a segment */
+    struct hull_place hull;    /* of a tip */
+    struct touch_patch *patch; /* NULL: pairs alone */
+    int has_more;              /* 1: there was no room for all of its vertices */
     vec3 v[3], moved[3]; /* corners of the triangle where they are foreseen, and how far that is from where they are */
 };
 
@@ -138,10 +141,104 @@ static void add_of_hull(void *user, const struct hull_pair *found)
                  found->pair.gap, weight);
 }
 
-static void add_of_segment(const struct touching_part *part)
+/* ---- a surface that is fine for the tool ---- */
+
+/* Triangles are fine if their edges are shorter than this share of the tool's radius. */
+#define FINE (1.0 / 3.0)
+
+/* Whether touches load the body at their own points: rigid ones are not, and where loads are spread, a patch is there. */
+static int is_loaded_at_points(const struct touch_search *search)
+{
+    return search->springs && !(deform_of(search->body)->def.load_radius > 0.0);
+}
+
+/* m2: the square of its longest edge at rest, so that it stays fine, or not, while the surface moves. */
+static double longest_edge(const struct touching_part *part)
+{
+    const struct surface *surface = &part->search->body->surface;
+    const float *rest = mesh_floats(surface->mesh, MESH_VERTICES);
+    double longest = 0.0;
+    for (uint32_t k = 0; k < 3; k++) {
+        const vec3 from = vec3_of_float(rest + 3 * (size_t)surface_corner(surface, part->triangle, k));
+        const vec3 to = vec3_of_float(rest + 3 * (size_t)surface_corner(surface, part->triangle, (k + 1) % 3));
+        longest = max_of(longest, dot(sub(to, from), sub(to, from)));
+    }
+    return longest;
+}
+
+/* `within`, m: from the tool. */
+static void add_corner(struct touching_part *part, uint32_t corner, double within)
+{
+    const struct touch_search *search = part->search;
+    const struct frame *frame = &search->body->frame;
+    const uint32_t vertex = surface_corner(&search->body->surface, part->triangle, corner);
+    if (!dpti_touch_vertex_is_new(search->vertices, part->patch, vertex))
+        return;
+    const vec3 q = part->v[corner], from = sub(q, part->a), moved = part->moved[corner];
+    const double square = dot(part->u, part->u);
+    const double s = square > 0.0 ? max_of(0.0, min_of(1.0, dot(from, part->u) / square)) : 0.0;
+    const vec3 gap = sub(along(part->a, s, part->u), q);
+    const double distance = length(gap), farther = distance > 0.0 ? dot(gap, moved) / distance : 0.0;
+    if (!(distance > 0.0 && distance + min_of(farther, 0.0) - part->radius <= within))
+        return;
+    const struct touch_vertex made = { .vertex = vertex,
+                                       .triangle = part->triangle,
+                                       .at = frame_to_world(frame, sub(q, moved)),
+                                       .normal = frame_turn(frame, scaled(gap, 1.0 / distance)),
+                                       .distance = distance,
+                                       .gap = distance - part->radius - part->clearance + farther };
+    part->has_more |= !dpti_touch_vertex_add(search->vertices, part->patch, &made);
+}
+
+/* The touch of the vertices of a list. */
+static void put_vertices(const struct touching_part *part, uint32_t first)
+{
+    const struct touch_search *search = part->search;
+    const struct touch_vertex *list = search->vertices->vertex;
+    struct touch touch = { .tool_slot = part->patch->tool_slot,
+                           .part = part->part,
+                           .body_id = search->body->id,
+                           .triangle = list[first].triangle,
+                           .feature = TOUCH_OF_VERTICES | (uint32_t)(list[first].cube >> 32),
+                           .name = (uint32_t)list[first].cube,
+                           .vertices = first + 1 };
+    double distance = 0.0, nearest = HUGE_VAL;
+    for (uint32_t i = first + 1; i; i = list[i - 1].next) {
+        const struct touch_vertex *vertex = &list[i - 1];
+        touch.at = along(touch.at, vertex->share, vertex->at);
+        touch.normal = along(touch.normal, vertex->share, vertex->normal);
+        touch.gap += vertex->share * vertex->gap;
+        distance += vertex->share * vertex->distance;
+    }
+    for (uint32_t i = first + 1; i; i = list[i - 1].next) {
+        const vec3 away = sub(list[i - 1].at, touch.at);
+        if (dot(away, away) < nearest)
+            touch.triangle = list[i - 1].triangle;
+        nearest = min_of(nearest, dot(away, away));
+    }
+    const double size = length(touch.normal);
+    if (!(size > 0.0))
+        return;
+    touch.normal = scaled(touch.normal, 1.0 / size);
+    if (has_twin(part->touches, &touch))
+        return;
+    dpti_touch_lever(search->proxy, search->at, part->axes, along(touch.at, distance, touch.normal), touch.normal,
+                     touch.row);
+    put(part->touches, &touch);
+}
+
+static void add_of_segment(struct touching_part *part)
 {
     const vec3 *v = part->v;
     const int features = part->search->proxy->shape == PROXY_BALL ? 1 : PAIR_FEATURES;
+    const double longest = part->patch ? longest_edge(part) : HUGE_VAL;
+    if (longest < FINE * FINE * part->radius * part->radius) {
+        /* Between corners that touch, the proxy stays outside of a flat triangle. */
+        const double within = max_of(part->search->reach, part->patch->near) + longest / (6.0 * part->radius);
+        for (uint32_t corner = 0; corner < 3; corner++)
+            add_corner(part, corner, within);
+        return;
+    }
     for (int feature = 0; feature < features; feature++) {
         pair found, on_triangle;
         if (!pair_of_feature(feature, part->a, part->u, v, &found))
@@ -152,7 +249,7 @@ static void add_of_segment(const struct touching_part *part)
     }
 }
 
-static void gather_part(struct touching_part *part, const struct tip *tip)
+static void gather_near(struct touching_part *part, const struct tip *tip)
 {
     const struct touch_search *search = part->search;
     const struct surface *surface = &search->body->surface;
@@ -161,9 +258,10 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
     int may_touch;
     const uint32_t pairs =
         tip ? tip->hull->corner_count + tip->hull->edge_count + tip->hull->face_count : (uint32_t)PAIR_FEATURES;
-    const double reach = search->reach + part->radius + (tip ? tip->hull->reach : 0.0);
+    const double reach =
+        max_of(search->reach, part->patch ? part->patch->near : 0.0) + part->radius + (tip ? tip->hull->reach : 0.0);
     dpti_range_begin(&range, surface, &search->world->kernel, part->a, part->u, reach, &work);
-    while ((part->triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE) {
+    while (!part->has_more && (part->triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE) {
         set_corners(part);
         if (tip)
             dpti_hull_features(&part->hull, part->v, search->reach + (1.0 + AHEAD_MAX) * part->radius, add_of_hull,
@@ -173,6 +271,36 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
         work_spend(&work, pairs);
     }
     work_spend(search->work, work.done);
+}
+
+/* Where there are too many vertices, every second one counts, or every fourth. */
+static void gather_part(struct touching_part *part, const struct tip *tip)
+{
+    const struct touch_search *search = part->search;
+    struct touch_vertices *all = search->vertices;
+    const uint32_t count = part->touches->count;
+    part->patch = NULL;
+    part->has_more = 0;
+    if (all && !tip && is_loaded_at_points(search)) {
+        part->patch =
+            dpti_touch_patch_of(all, (uint32_t)(search->tool - search->world->tools), part->part, search->body->id);
+        dpti_touch_patch_begin(all, part->patch);
+    }
+    gather_near(part, tip);
+    while (part->has_more && dpti_touch_patch_thin(all, part->patch)) {
+        part->touches->count = count;
+        part->has_more = 0;
+        gather_near(part, tip);
+    }
+    part->touches->is_full |= (uint32_t)part->has_more;
+    if (!part->patch)
+        return;
+    const struct dpt_mesh *mesh = search->body->surface.mesh;
+    const struct touch_shape shape = { mesh_floats(mesh, MESH_VERTICES), part->radius, search->reach };
+    dpti_touch_patch_group(all, part->patch, &shape);
+    for (uint32_t i = part->patch->first; i < all->count; i++)
+        if (all->vertex[i].is_first)
+            put_vertices(part, i);
 }
 
 void dpti_touches_gather(const struct touch_search *search, struct touches *touches)

@@ -2,13 +2,15 @@
 /*
  * The pairs of a tool and a surface that may carry force in a step of the tissue: every pair within reach of the proxy,
  * where nothing touches yet, too. Of a segment they are those that can limit a motion (nearest/pair_features.h), of a tip
- * those of its features (hull/hull_triangle.h). docs/algorithms/tissue.md.
+ * those of its features (hull/hull_triangle.h). Where springs' triangles are fine for a segment's radius, their vertices
+ * touch instead, alone or some together (tissue/touch_vertices.h). docs/algorithms/tissue.md.
  */
 #ifndef DPT_TOUCHES_H
 #define DPT_TOUCHES_H
 
 #include "base/work.h"
 #include "proxy/proxy_pose.h"
+#include "tissue/touch_vertices.h"
 
 enum { TOUCHES_MAX = 256, TOUCH_DIMENSIONS = 6 };
 
@@ -16,11 +18,13 @@ struct touch {
     uint32_t tool_slot;
     uint32_t part; /* of the tool: tool_parts.h */
     uint32_t body_id;
-    uint32_t triangle;            /* place */
+    uint32_t triangle;            /* place; of a touch of vertices one of theirs */
     uint32_t feature;             /* of the pair: nearest/pair_features.h, of a tip hull/hull_triangle.h */
-    vec3 at;                      /* the point on the surface, in the world */
+    uint32_t vertices;            /* the first of its vertices in the list, plus 1; 0: it is a pair's */
+    uint32_t name;                /* of a touch of vertices: with its feature it is the same from step to step */
+    vec3 at;                      /* the point on the surface, in the world; of vertices their mean, as is all below */
     vec3 normal;                  /* unit, in the world, towards the tool */
-    double weight[3];             /* of the triangle's corners at that point */
+    double weight[3];             /* of the triangle's corners at that point; of vertices 0 */
     double gap;                   /* m, with the tool at its proxy, by the row: beyond the proxy's clearance */
     double row[TOUCH_DIMENSIONS]; /* how the gap grows with the unknowns of the proxy's motion */
 };
@@ -44,6 +48,7 @@ struct touch_search {
     const struct proxy_pose *at;
     const struct body *body;
     const struct dpt_springs *springs; /* of the body; NULL: nobody steps them here */
+    struct touch_vertices *vertices;   /* NULL: pairs alone */
     double reach;
     double ahead;
     struct work *work; /* what is looked at is counted, and bounded by nothing */

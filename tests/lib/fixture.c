@@ -22,18 +22,25 @@ int fixture_from_arrays(struct fixture *fixture, const double *vertices, size_t 
     return compile_arrays(fixture, vertices, vertex_count, corners, triangle_count, NULL);
 }
 
+int fixture_from_arrays_with_springs(struct fixture *fixture, const double *vertices, size_t vertex_count,
+                                     const uint32_t *corners, size_t triangle_count, const dpt_spring_net_def *net)
+{
+    dpt_compile_def def;
+    dpt_compile_def_init(&def);
+    def.springs = net;
+    return compile_arrays(fixture, vertices, vertex_count, corners, triangle_count, &def);
+}
+
 int fixture_with_springs(struct fixture *fixture, const char *name, uint64_t count, const dpt_spring_net_def *net)
 {
     struct shape shape;
     shape_reason reason;
-    dpt_compile_def def;
     int made = shape_make(name, count, 0, &shape, reason);
     CHECK(made == 0, "%s: %s", name, reason);
     if (made != 0)
         return 0;
-    dpt_compile_def_init(&def);
-    def.springs = net;
-    int opened = compile_arrays(fixture, shape.vertices, shape.vertex_count, shape.corners, shape.triangle_count, &def);
+    int opened = fixture_from_arrays_with_springs(fixture, shape.vertices, shape.vertex_count, shape.corners,
+                                                  shape.triangle_count, net);
     shape_free(&shape);
     return opened;
 }

@@ -16,6 +16,9 @@ struct fixture {
 int fixture_from_arrays(struct fixture *fixture, const double *vertices, size_t vertex_count, const uint32_t *corners,
                         size_t triangle_count);
 
+int fixture_from_arrays_with_springs(struct fixture *fixture, const double *vertices, size_t vertex_count,
+                                     const uint32_t *corners, size_t triangle_count, const dpt_spring_net_def *net);
+
 /* `count` 0: as many triangles as the shape has usually. */
 int fixture_from_shape(struct fixture *fixture, const char *name, uint64_t count);
 int fixture_with_springs(struct fixture *fixture, const char *name, uint64_t count, const dpt_spring_net_def *net);

@@ -12,7 +12,14 @@ struct grid {
     size_t across, deep, n; /* cells, and numbers */
     double element[DOFS][DOFS];
     unsigned char *is_free; /* 1 a number */
+    double *u, *left, *way, *product;
 };
+
+static size_t cells_of(double length, double cell)
+{
+    const double cells = floor(length / cell + 0.5);
+    return fabs(cells * cell - length) < 1e-9 * length ? (size_t)cells : 0;
+}
 
 /* Gradients of a corner's shape in a cube of side 1. */
 static void shape_gradient(size_t corner, const double at[3], double gradient[3])
@@ -88,8 +95,9 @@ static double dot(const struct grid *grid, const double *a, const double *b)
 }
 
 /* What is held is in u, and stays. */
-static void solve(const struct grid *grid, double *u, double *left, double *way, double *product)
+static void solve(const struct grid *grid)
 {
+    double *u = grid->u, *left = grid->left, *way = grid->way, *product = grid->product;
     multiply(grid, u, left);
     for (size_t i = 0; i < grid->n; i++)
         way[i] = left[i] = grid->is_free[i] ? -left[i] : 0.0;
@@ -109,50 +117,112 @@ static void solve(const struct grid *grid, double *u, double *left, double *way,
     }
 }
 
-static size_t cells_of(double length, double cell)
+static void close_grid(struct grid *grid)
 {
-    const double cells = floor(length / cell + 0.5);
-    return fabs(cells * cell - length) < 1e-9 * length ? (size_t)cells : 0;
+    free(grid->is_free);
+    free(grid->u);
+}
+
+/* A quarter of the block, held by its mirror planes and its lower face. Returns 0 if that cannot be; close it in any case. */
+static int open_grid(struct grid *grid, const struct elastic_block *block)
+{
+    *grid = (struct grid){ .across = cells_of(block->half, block->cell), .deep = cells_of(block->depth, block->cell) };
+    if (!grid->across || !grid->deep)
+        return 0;
+    grid->n = 3 * (grid->across + 1) * (grid->across + 1) * (grid->deep + 1);
+    grid->u = calloc(4 * grid->n, sizeof *grid->u);
+    grid->is_free = malloc(grid->n);
+    if (!grid->u || !grid->is_free)
+        return 0;
+    grid->left = grid->u + grid->n;
+    grid->way = grid->left + grid->n;
+    grid->product = grid->way + grid->n;
+    make_element(block, grid);
+    memset(grid->is_free, 1, grid->n);
+    for (size_t z = 0; z <= grid->deep; z++)
+        for (size_t y = 0; y <= grid->across; y++)
+            for (size_t x = 0; x <= grid->across; x++) {
+                unsigned char *is_free = grid->is_free + 3 * node_at(grid, x, y, z);
+                is_free[0] = x && (z || block->slides);
+                is_free[1] = y && (z || block->slides);
+                is_free[2] = z > 0;
+            }
+    return 1;
+}
+
+/* The number of a node of the upper face along z. */
+static size_t top_at(const struct grid *grid, size_t x, size_t y)
+{
+    return 3 * node_at(grid, x, y, grid->deep) + 2;
+}
+
+/* N: what holds the upper face, of the whole block. */
+static double force_on_top(const struct grid *grid)
+{
+    double force = 0.0;
+    multiply(grid, grid->u, grid->product);
+    for (size_t y = 0; y <= grid->across; y++)
+        for (size_t x = 0; x <= grid->across; x++)
+            force -= grid->is_free[top_at(grid, x, y)] ? 0.0 : 4.0 * grid->product[top_at(grid, x, y)];
+    return force;
 }
 
 /* The force by the way of the patch; *bulge: how far the middle of a side moves. */
 static double solve_block(const struct elastic_block *block, double *bulge)
 {
-    struct grid grid = { .across = cells_of(block->half, block->cell), .deep = cells_of(block->depth, block->cell) };
+    struct grid grid = { 0 };
     const size_t patch = cells_of(block->patch, block->cell);
-    if (!grid.across || !grid.deep || !patch || patch > grid.across)
-        return -1.0;
-    grid.n = 3 * (grid.across + 1) * (grid.across + 1) * (grid.deep + 1);
-    double *all = calloc(4 * grid.n, sizeof *all), force = -1.0;
-    grid.is_free = malloc(grid.n);
-    if (all && grid.is_free) {
-        double *u = all, *product = all + 3 * grid.n;
-        make_element(block, &grid);
-        memset(grid.is_free, 1, grid.n);
-        for (size_t z = 0; z <= grid.deep; z++)
-            for (size_t y = 0; y <= grid.across; y++)
-                for (size_t x = 0; x <= grid.across; x++) {
-                    const size_t at = 3 * node_at(&grid, x, y, z);
-                    const int is_pushed = z == grid.deep && x <= patch && y <= patch;
-                    if (is_pushed)
-                        u[at + 2] = -1.0;
-                    if (is_pushed || z == 0)
-                        memset(grid.is_free + at + (block->slides ? 2 : 0), 0, block->slides ? 1 : 3);
-                    if (x == 0)
-                        grid.is_free[at] = 0;
-                    if (y == 0)
-                        grid.is_free[at + 1] = 0;
-                }
-        solve(&grid, u, all + grid.n, all + 2 * grid.n, product);
-        multiply(&grid, u, product);
-        force = 0.0;
+    double force = -1.0;
+    if (open_grid(&grid, block) && patch && patch <= grid.across) {
         for (size_t y = 0; y <= patch; y++)
-            for (size_t x = 0; x <= patch; x++)
-                force -= 4.0 * product[3 * node_at(&grid, x, y, grid.deep) + 2];
-        *bulge = u[3 * node_at(&grid, grid.across, 0, grid.deep / 2)];
+            for (size_t x = 0; x <= patch; x++) {
+                const size_t at = top_at(&grid, x, y);
+                grid.u[at] = -1.0;
+                memset(grid.is_free + at - (block->slides ? 0 : 2), 0, block->slides ? 1 : 3);
+            }
+        solve(&grid);
+        force = force_on_top(&grid);
+        *bulge = grid.u[3 * node_at(&grid, grid.across, 0, grid.deep / 2)];
     }
-    free(grid.is_free);
-    free(all);
+    close_grid(&grid);
+    return force;
+}
+
+/* How far below its lowest point the tool is, at a place of the upper face. */
+static double height_of(const struct elastic_tool *tool, double x, double y)
+{
+    const double square = x * x + (tool->is_long ? 0.0 : y * y), radius = tool->radius;
+    return square < radius * radius ? radius - sqrt(radius * radius - square) : 2.0 * radius;
+}
+
+/* Hold what goes into the tool, at the tool, and let go what it pulls at. Returns how many nodes that are. */
+static size_t change_touches(struct grid *grid, const struct elastic_block *block, const struct elastic_tool *tool)
+{
+    size_t changed = 0;
+    multiply(grid, grid->u, grid->product);
+    for (size_t y = 0; y <= grid->across; y++)
+        for (size_t x = 0; x <= grid->across; x++) {
+            const size_t at = top_at(grid, x, y);
+            const double end = height_of(tool, (double)x * block->cell, (double)y * block->cell) - tool->depth;
+            const int touches = grid->is_free[at] ? grid->u[at] > end + 1e-9 * tool->depth : grid->product[at] < 0.0;
+            changed += touches == grid->is_free[at];
+            grid->is_free[at] = !touches;
+            if (touches)
+                grid->u[at] = end;
+        }
+    return changed;
+}
+
+double oracle_elastic_force(const struct elastic_block *block, const struct elastic_tool *tool)
+{
+    struct grid grid = { 0 };
+    double force = -1.0;
+    if (open_grid(&grid, block)) {
+        for (int round = 0; round < 50 && change_touches(&grid, block, tool); round++)
+            solve(&grid);
+        force = force_on_top(&grid);
+    }
+    close_grid(&grid);
     return force;
 }
 

@@ -25,6 +25,19 @@ struct elastic_block {
     int slides; /* 1: patch and lower face are held along z alone */
 };
 
+/*
+ * What presses it in place of the patch, without friction: a ball, or a cylinder along y that is longer than the block, so
+ * deep below the upper face. Nodes of that face are held where they would be in the tool, as long as it pushes them. The
+ * pressure goes to 0 at the border of what is touched, and the force converges faster than with a patch.
+ */
+struct elastic_tool {
+    double radius, depth; /* m */
+    int is_long;          /* 1: a cylinder */
+};
+
+/* N: on the tool. Negative: as below. */
+double oracle_elastic_force(const struct elastic_block *block, const struct elastic_tool *tool);
+
 /* N/m: the force on the patch by how far it is in. Negative: there is no memory, or the block is not whole cells. */
 double oracle_elastic_stiffness(const struct elastic_block *block);
 

@@ -18,6 +18,8 @@ springs()
     run info box.dpa
     check 'info: no springs' test "$(grep -c '^  springs' stdout)" -eq 0
     check 'info --json: no springs' test "$(info_count box.dpa spring_nodes)" = 0
+    run info box.dpa --json
+    check 'info --json: no lattice' grep -q '"lattice_cell":null,"tool_radius":null,' stdout
 
     printf '# the far end\nbox 0.059 -1 -1 1 1 1 fixed\nsphere 0 0 0 0.05 9000 1000 2\n' >regions
     printf '0 1 # two corners\n' >fixed
@@ -50,6 +52,7 @@ refusals()
     refuses 'an open mesh' 'membrane.ply: no part of the mesh is closed' compile membrane.ply -o out/x --springs volume
     succeeds "--poisson" compile box.ply -o bulging.dpa --springs volume --spacing 0.02 --poisson 0.45
     succeeds 'info of it' info bulging.dpa --sections
+    check 'info: the cell, and the tool' grep -q '0[.]02 m; felt within a tenth by round tools of a radius of 0[.]08 m' stdout
     check 'info: the ratio' grep -q "Poisson's ratio 0.45" stdout
     check 'info: the cells' grep -q 'section cell_nodes' stdout
     refuses 'a ratio that is too large' '--poisson must be 0.1 to 0.45' compile box.ply -o out/x --springs volume --poisson 0.5

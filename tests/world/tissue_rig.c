@@ -93,7 +93,8 @@ struct tissue_def tissue_asleep(uint32_t kind, uint32_t integrator)
 static struct tissue_body *add_mesh(struct tissue_rig *tissue, const struct tissue_def *def)
 {
     struct tissue_body *body = &tissue->body[tissue->body_count++];
-    const int is_sheet = !strcmp(def->shape, "membrane");
+    const struct tissue_arrays *arrays = def->arrays;
+    const int is_sheet = !arrays && !strcmp(def->shape, "membrane");
     const dpt_spring_region below = { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, 1, 1, def->floor } };
     const double x = def->border[0], y = def->border[1];
     const dpt_spring_region border[4] = { { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -1, -1, -1, -x, 1, 1 } },
@@ -112,7 +113,9 @@ static struct tissue_body *add_mesh(struct tissue_rig *tissue, const struct tiss
                                      .region_count = is_sheet ? (y > 0.0 ? 4 : 2) : def->floor > -1.0 };
     dpt_mesh_info info = { .size = sizeof info };
     memcpy(body->place, def->place, sizeof body->place);
-    if (!fixture_with_springs(&body->mesh, def->shape, def->triangles, &net))
+    if (!(arrays ? fixture_from_arrays_with_springs(&body->mesh, arrays->vertices, arrays->vertex_count,
+                                                    arrays->corners, arrays->triangles, &net)
+                 : fixture_with_springs(&body->mesh, def->shape, def->triangles, &net)))
         return NULL;
     dpt_mesh_get_info(body->mesh.mesh, &info);
     body->top = info.box_max[2];

@@ -35,9 +35,17 @@ extern const uint32_t tissue_integrators[TISSUE_INTEGRATORS];
 /* A rod of 60 mm and a radius of 4 mm along z, from its tip. */
 extern const dpt_segment tissue_upright;
 
+struct tissue_arrays {
+    const double *vertices;
+    size_t vertex_count;
+    const uint32_t *corners;
+    size_t triangles;
+};
+
 struct tissue_def {
     const char *shape; /* of `dynpoint make`: a sheet where it is the membrane, else a lattice */
     uint64_t triangles;
+    const struct tissue_arrays *arrays; /* in place of a shape: a lattice */
     double young, density, drag, viscosity;
     double spacing;     /* of a lattice, m */
     double floor;       /* of a lattice: what is below that z is fixed; -1: nothing is */

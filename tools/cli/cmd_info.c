@@ -22,6 +22,28 @@ static const char help[] =
     "  --thickness  of a mesh: how thick its walls are, by a ray inward from each triangle; takes\n"
     "               a second for 50,000 triangles\n";
 
+/* Cells of a lattice that lie across what a tool touches: with fewer its force is more than a tenth too high. */
+enum { CELLS_ACROSS = 4 };
+
+/* m: a cell of the lattice in which springs carry the vertices: its shortest spring. 0: there is none. */
+static double lattice_cell(const dpt_mesh *mesh, const dpt_mesh_info *info)
+{
+    dpt_mesh_springs springs = { .size = sizeof springs };
+    double shortest = 0.0;
+    if (!info->nodes || !info->spring_nodes || dpt_mesh_get_springs(mesh, &springs) != DPT_OK)
+        return 0.0;
+    for (size_t i = 0; i < 16 * (size_t)info->spring_entries; i++)
+        if (springs.stiffness[i] > 0.0f && (!(shortest > 0.0) || (double)springs.length[i] < shortest))
+            shortest = (double)springs.length[i];
+    return shortest;
+}
+
+/* m: a tool that is pressed in by a quarter of its radius touches what is as wide as its radius. */
+static double tool_radius_for(double cell)
+{
+    return CELLS_ACROSS * cell;
+}
+
 /* `thickness` NULL: it was not asked for. */
 static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info, const struct mesh_thickness *thickness)
 {
@@ -52,6 +74,11 @@ static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info, const st
            "\"poisson\":%.17g,\"stable_step\":%.17g,",
            info->spring_nodes, info->springs, info->spring_entries, info->fixed_nodes, info->viscosity,
            info->spring_mass, info->poisson, info->stable_step);
+    const double cell = lattice_cell(mesh, info);
+    if (cell > 0.0)
+        printf("\"lattice_cell\":%.17g,\"tool_radius\":%.17g,", cell, tool_radius_for(cell));
+    else
+        printf("\"lattice_cell\":null,\"tool_radius\":null,");
     printf("\"box\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]],", info->box_min[0], info->box_min[1], info->box_min[2],
            info->box_max[0], info->box_max[1], info->box_max[2]);
     printf("\"origin\":[%.17g,%.17g,%.17g],", info->origin[0], info->origin[1], info->origin[2]);
@@ -145,6 +172,10 @@ static void print_text(const char *path, const dpt_mesh *mesh, const dpt_mesh_in
         printf("  %-24s %10.6g kg, Poisson's ratio %.4g, viscosity %.4g s\n", "  mass", info->spring_mass,
                info->poisson, info->viscosity);
         printf("  %-24s %10.6g s: of symplectic Euler without damping\n", "  stable step", info->stable_step);
+        const double cell = lattice_cell(mesh, info);
+        if (cell > 0.0)
+            printf("  %-24s %10.6g m; felt within a tenth by round tools of a radius of %.3g m or more\n",
+                   "  cell of the lattice", cell, tool_radius_for(cell));
     }
     if (info->source_bytes)
         printf("  %-24s %10" PRIu64 " bytes, hash %016" PRIx64 "\n", "source", info->source_bytes, info->source_hash);
