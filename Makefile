@@ -18,6 +18,7 @@ B := $(if $(filter release,$(CONFIG)),build,build/$(CONFIG))
 CC ?= cc
 AR ?= ar
 LD ?= ld
+NM ?= nm
 OBJCOPY ?= objcopy
 PYTHON ?= python3
 CFLAGS ?= -O3
@@ -36,7 +37,7 @@ WARNINGS := -Wall -Wextra -Wshadow -Wconversion
 EXACT := -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize
 # Includes begin at these; those of drivers, program and tests at their own roots too.
 INCLUDES := -Iinclude -Isrc
-ALL_CFLAGS = -std=gnu99 $(CPPFLAGS) $(CFLAGS) $(EXACT) $(WARNINGS) -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA)
+ALL_CFLAGS = -std=gnu99 $(CPPFLAGS) $(CFLAGS) $(EXACT) $(WARNINGS) $(PLATFORM_CFLAGS) -MMD -MP $(INCLUDES) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA)
 
 ifeq ($(CONFIG),scalar)
 CONFIG_CFLAGS := -DDPT_SCALAR -fno-tree-vectorize
@@ -62,6 +63,47 @@ objects = $(patsubst %.c,$(B)/%.o,$(wildcard $1))
 CORE := $(call objects,$(FOLDERS:%=src/%/*.c))
 TEXT := $(call objects,src/text/*.c)
 COMPILE := $(call objects,src/compile/*.c)
+# The system that is built for, by what the compiler says: a folder of drivers/platform, and how a library is named and
+# linked there. Each of ours finds the others beside itself.
+MACHINE := $(shell $(CC) -dumpmachine)
+PLATFORM ?= $(if $(findstring windows,$(MACHINE))$(findstring mingw,$(MACHINE)),windows,$(if $(findstring macos,$(MACHINE))$(findstring darwin,$(MACHINE)),macos,linux))
+PLATFORM_CFLAGS := -fPIC -fvisibility=hidden
+# The compiler starts threads and the loop ranks its own: the core is linked to no thread library.
+THREADS := -pthread
+ifeq ($(PLATFORM),windows)
+EXE := .exe
+SO := -$(SOVERSION).dll
+# Two warnings come from mingw-w64 itself: its isnan, and its printf of before C99. gcc takes a stack for aligned that is not: its assembler makes these moves unaligned.
+PLATFORM_CFLAGS := -Wno-format -Wno-float-conversion -D__USE_MINGW_ANSI_STDIO=1 -D_FILE_OFFSET_BITS=64 \
+  $(shell $(CC) -Wa,-muse-unaligned-vector-move -Werror -c -x c /dev/null -o /dev/null >/dev/null 2>&1 && echo -Wa,-muse-unaligned-vector-move)
+LDFLAGS += -static
+PLATFORM_LIBS := -lbcrypt
+PLATFORM_PROGRAM_LIBS := -lws2_32 -lshell32
+define LINK_SHARED
+{ echo 'LIBRARY $(@F)'; echo EXPORTS; $(NM) -g $(filter %.o,$^) | sed -n 's/^[0-9a-f]* T \(dpt_[a-z0-9_]*\)$$/\1/p' | sort -u; } >$*.def
+$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,--out-implib,$*.dll.a $*.def $(filter %.o,$^) $(patsubst %$(SO),%.dll.a,$(filter %$(SO),$^)) $(LDLIBS) $(PLATFORM_LIBS) -o $@
+endef
+else ifeq ($(PLATFORM),macos)
+SO := .$(SOVERSION).dylib
+define LINK_SHARED
+$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -dynamiclib -Wl,-install_name,@rpath/$(@F) -Wl,-rpath,@loader_path $^ $(LDLIBS) -o $@
+ln -sf $(@F) $*.dylib
+endef
+else
+SO := .so.$(SOVERSION)
+# dlopen; a C library that has it in itself has an empty one of that name.
+DL := -ldl
+define LINK_SHARED
+$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,-rpath,'$$ORIGIN' -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
+ln -sf $(@F) $*.so
+endef
+endif
+PLATFORM_ALL := $(call objects,$(patsubst %,drivers/platform/%/*.c,$(if $(filter windows,$(PLATFORM)),windows,posix $(PLATFORM))))
+# What a program asks of its system, and no library does.
+PLATFORM_PROGRAM := $(filter %_program.o,$(PLATFORM_ALL))
+# Serial lines are the drivers' alone.
+PLATFORM_SERIAL := $(filter %_serial.o,$(PLATFORM_ALL))
+PLATFORM_PARTS := $(filter-out $(PLATFORM_PROGRAM) $(PLATFORM_SERIAL),$(PLATFORM_ALL))
 # Device back ends: a folder each. What lies in drivers/ itself serves all of them.
 BACK_ENDS := sim replay serial openhaptics can
 DRIVERS ?= $(BACK_ENDS)
@@ -70,7 +112,7 @@ $(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
 endif
 # Firmware copies wire_device.[ch] (docs/wire.md); no host needs it.
 WIRE_DEVICE := $(B)/drivers/serial/wire_device.o
-DRIVER_PARTS := $(filter-out $(WIRE_DEVICE),$(call objects,drivers/*.c $(DRIVERS:%=drivers/%/*.c)))
+DRIVER_PARTS := $(filter-out $(WIRE_DEVICE),$(call objects,drivers/*.c $(DRIVERS:%=drivers/%/*.c))) $(PLATFORM_PARTS) $(PLATFORM_SERIAL)
 comma := ,
 empty :=
 # Since make 4.3 a backslash before # stays where a function is called.
@@ -122,6 +164,7 @@ ROOMS := cli shape record run view plot chart measure plan lab
 TOOLS := $(filter-out $(JSON_SOURCES:%.c=$(B)/%.o),$(call objects,$(ROOMS:%=tools/%/*.c))) $(filter $(B)/tools/%,$(SCENE_FILE)) $(VIEW_SERVER)
 # The other ends of a line, for `device simulate` and the tests: of the back ends that were chosen.
 SIMULATE := $(call objects,$(wildcard $(DRIVERS:%=tools/simulate/simulate_%*.c))) $(if $(filter serial,$(DRIVERS)),$(WIRE_DEVICE))
+LIBS_OF_C := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(B)/libdynpoint_convex $(B)/libdynpoint_host
 LIBS := $(B)/libdynpoint $(B)/libdynpoint_compile $(B)/libdynpoint_drivers $(if $(URDF_PARTS),$(B)/libdynpoint_urdf) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex) $(B)/libdynpoint_host
 
 # What this machine lacks, for the last line of make; not what the user left out, and not with make -s.
@@ -136,11 +179,11 @@ LEFT_OUT = $(if $(IS_SILENT),,$(call lacks,URDF,robots in URDF (urdfdom and a C+
 # For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
 CDEF := $(B)/include/dynpoint_cdef.h
 # The manual's pages are what the program says of itself: where it runs.
-MAN := $(if $(filter release,$(CONFIG)),$(B)/man/dynpoint.1)
+MAN := $(if $(filter release,$(CONFIG)),$(if $(filter linux,$(PLATFORM)),$(B)/man/dynpoint.1))
 
-.PHONY: all amalgamation force demo test check check-view check-wasm check-page firmware vm bench charts pictures stability soak fuzz install uninstall help clean
+.PHONY: all amalgamation force demo test check check-platforms check-view check-wasm check-page firmware vm bench charts pictures stability soak fuzz install uninstall help clean
 .SECONDARY:
-all: $(B)/dynpoint $(LIBS:%=%.a) $(LIBS:%=%.so.$(SOVERSION)) $(CDEF) $(MAN) ## the program and the libraries (default)
+all: $(B)/dynpoint$(EXE) $(LIBS:%=%.a) $(LIBS:%=%$(SO)) $(CDEF) $(MAN) ## the program and the libraries (default)
 	@:; $(LEFT_OUT)
 
 $(B)/%.o: %.c
@@ -149,7 +192,7 @@ $(B)/%.o: %.c
 
 $(B)/%.o: %.cc
 	@mkdir -p $(@D)
-	$(CXX) -std=c++11 $(CPPFLAGS) $(CXXFLAGS) $(EXACT) -Wall -Wextra -fPIC -fvisibility=hidden -MMD -MP $(INCLUDES) $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
+	$(CXX) -std=c++11 $(CPPFLAGS) $(CXXFLAGS) $(EXACT) -Wall -Wextra $(PLATFORM_CFLAGS) -MMD -MP $(INCLUDES) $(URDF_CFLAGS) $(CONFIG_CFLAGS) $(CFLAGS_EXTRA) -c $< -o $@
 
 $(B)/src/kernel/kernel_scalar.o: CONFIG_CFLAGS += -fno-tree-vectorize
 
@@ -186,51 +229,52 @@ build/view/page.html: $(wildcard tools/view/page/*.js tools/view/page/*.html too
 	$(NODE) tools/view/page/make_page.js build/view
 endif
 
-# One object a library, its inner symbols local: a static library meets no one else's names.
+# One object a library, its inner symbols local: a static library meets no one else's names. Only linkers of ELF do that.
 # With link-time optimization it ends here: whose names are local is a property of an object of machine code.
 JOIN = $(if $(findstring -flto,$(CFLAGS)),$(CC) $(CFLAGS) -r -nostdlib -flinker-output=nolto-rel,$(LD) -r)
-$(B)/libdynpoint.o: $(CORE)
-$(B)/libdynpoint_compile.o: $(COMPILE) $(TEXT)
-$(B)/libdynpoint_drivers.o: $(DRIVER_PARTS) $(TEXT)
-$(B)/libdynpoint_convex.o: $(CONVEX_PARTS)
-# Of the drivers' inner parts it has its own: one line of a loop, and the clock.
-HOST_PARTS := $(HOST) $(B)/drivers/loop_line.o $(B)/drivers/clock.o
-$(B)/libdynpoint_host.o: $(HOST_PARTS) $(TEXT)
-$(B)/libdynpoint.o $(B)/libdynpoint_compile.o $(B)/libdynpoint_drivers.o $(B)/libdynpoint_convex.o $(B)/libdynpoint_host.o:
+ONE := $(if $(filter linux,$(PLATFORM)),.o,.a)
+$(B)/libdynpoint$(ONE): $(CORE)
+$(B)/libdynpoint_compile$(ONE): $(COMPILE) $(TEXT)
+$(B)/libdynpoint_drivers$(ONE): $(DRIVER_PARTS) $(TEXT)
+$(B)/libdynpoint_convex$(ONE): $(CONVEX_PARTS)
+# Of the drivers' inner parts it has its own: one line of a loop, and the platform.
+HOST_PARTS := $(HOST) $(B)/drivers/loop_line.o $(PLATFORM_PARTS)
+$(B)/libdynpoint_host$(ONE): $(HOST_PARTS) $(TEXT)
+$(LIBS_OF_C:%=%.o):
 	$(JOIN) $^ -o $@
 	$(OBJCOPY) --localize-hidden $@
+ifneq ($(ONE),.o)
+$(LIBS_OF_C:%=%.a):
+	rm -f $@
+	$(AR) rcs $@ $^
+endif
 
 # What C++ shares among objects is local too: the library's name is all that is seen.
 $(B)/libdynpoint_urdf.o: $(URDF_PARTS)
 	$(JOIN) $^ -o $@
 	$(OBJCOPY) --wildcard --keep-global-symbol='dpt_urdf_*' $@
-$(B)/libdynpoint_urdf.so.$(SOVERSION): private LDLIBS = $(URDF_LIBS)
-$(B)/libdynpoint_urdf.so.$(SOVERSION): $(URDF_PARTS) $(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint.so.$(SOVERSION)
+$(B)/libdynpoint_urdf$(SO): private LDLIBS = $(URDF_LIBS)
+$(B)/libdynpoint_urdf$(SO): $(URDF_PARTS) $(B)/libdynpoint_compile$(SO) $(B)/libdynpoint$(SO)
 
 %.a: %.o
 	rm -f $@
 	$(AR) rcs $@ $<
 
-# The compiler starts threads and the loop ranks its own: the core is linked to no thread library.
-THREADS := -pthread
-# dlopen; a C library that has it in itself has an empty one of that name.
-DL := -ldl
-$(B)/libdynpoint_compile.so.$(SOVERSION): private LDLIBS = $(THREADS)
-$(B)/libdynpoint_drivers.so.$(SOVERSION): private LDLIBS = $(THREADS) $(DL)
-$(B)/libdynpoint_convex.so.$(SOVERSION): private LDLIBS = $(CONVEX_LIBS)
-$(B)/libdynpoint_host.so.$(SOVERSION): private LDLIBS = $(THREADS) $(JANSSON_LIBS)
-$(B)/libdynpoint.so.$(SOVERSION): $(CORE)
-$(B)/libdynpoint_compile.so.$(SOVERSION): $(COMPILE) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
-$(B)/libdynpoint_drivers.so.$(SOVERSION): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoint.so.$(SOVERSION)
-$(B)/libdynpoint_convex.so.$(SOVERSION): $(CONVEX_PARTS) $(B)/libdynpoint.so.$(SOVERSION)
-$(B)/libdynpoint_host.so.$(SOVERSION): $(HOST_PARTS) $(TEXT) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex.so.$(SOVERSION)) \
-  $(B)/libdynpoint_drivers.so.$(SOVERSION) $(B)/libdynpoint_compile.so.$(SOVERSION) $(B)/libdynpoint.so.$(SOVERSION)
-%.so.$(SOVERSION):
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script=src/symbols.map $^ -lm $(LDLIBS) -o $@
-	ln -sf $(@F) $*.so
+$(B)/libdynpoint_compile$(SO): private LDLIBS = $(THREADS)
+$(B)/libdynpoint_drivers$(SO): private LDLIBS = $(THREADS) $(DL)
+$(B)/libdynpoint_convex$(SO): private LDLIBS = $(CONVEX_LIBS)
+$(B)/libdynpoint_host$(SO): private LDLIBS = $(THREADS) $(JANSSON_LIBS)
+$(B)/libdynpoint$(SO): $(CORE)
+$(B)/libdynpoint_compile$(SO): $(COMPILE) $(TEXT) $(B)/libdynpoint$(SO)
+$(B)/libdynpoint_drivers$(SO): $(DRIVER_PARTS) $(TEXT) $(B)/libdynpoint$(SO)
+$(B)/libdynpoint_convex$(SO): $(CONVEX_PARTS) $(B)/libdynpoint$(SO)
+$(B)/libdynpoint_host$(SO): $(HOST_PARTS) $(TEXT) $(if $(CONVEX_PARTS),$(B)/libdynpoint_convex$(SO)) \
+  $(B)/libdynpoint_drivers$(SO) $(B)/libdynpoint_compile$(SO) $(B)/libdynpoint$(SO)
+%$(SO):
+	$(LINK_SHARED)
 
-$(B)/dynpoint: $(TOOLS) $(SIMULATE) $(HOST) $(URDF_PARTS) $(CONVEX_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(CONVEX_LIBS) $(JANSSON_LIBS) $(LWS_LIBS) -o $@
+$(B)/dynpoint$(EXE): $(TOOLS) $(PLATFORM_PROGRAM) $(SIMULATE) $(HOST) $(URDF_PARTS) $(CONVEX_PARTS) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) $(URDF_LIBS) $(CONVEX_LIBS) $(JANSSON_LIBS) $(LWS_LIBS) $(PLATFORM_LIBS) $(PLATFORM_PROGRAM_LIBS) -o $@
 
 $(B)/man/dynpoint.1: $(B)/dynpoint tools/packaging/man.sh
 	sh tools/packaging/man.sh $(B)/dynpoint $(@D)
@@ -277,5 +321,5 @@ help: ## this list
 clean: ## remove build/
 	rm -rf build
 
--include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(CONVEX_PARTS) $(DRIVER_PARTS) $(HOST) $(TOOLS) $(SIMULATE))
+-include $(patsubst %.o,%.d,$(CORE) $(TEXT) $(COMPILE) $(URDF_PARTS) $(CONVEX_PARTS) $(DRIVER_PARTS) $(PLATFORM_PROGRAM) $(HOST) $(TOOLS) $(SIMULATE))
 endif

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
-
 #include "csv.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +10,7 @@
 
 #include "base/return_if_error.h"
 #include "dynpoint/base.h"
+#include "platform/file.h"
 #include "settings.h"
 #include "text/parse_number.h"
 
@@ -192,9 +190,9 @@ static dpt_result parse_text(struct parser *parser, struct unparsed_text *text)
 static dpt_result parse_file(struct parser *parser, int file, uint64_t max_bytes, struct unparsed_text *text)
 {
     uint64_t total = 0;
-    for (ssize_t got = 1; got != 0;) {
+    for (long got = 1; got != 0;) {
         DPT_TRY(grow_text(parser, text));
-        got = read(file, text->bytes + text->count, text->capacity - text->count);
+        got = file_read(file, text->bytes + text->count, text->capacity - text->count);
         if (got < 0 && errno != EINTR)
             return DPT_E_OPEN;
         if (got <= 0)
@@ -228,7 +226,7 @@ dpt_result csv_table_read(struct csv_table *table, const char *path, const struc
     uint64_t line;
     const char *line_error;
     *table = (struct csv_table){ .rows = 0 };
-    int file = open(path, O_RDONLY | O_CLOEXEC);
+    int file = file_open_read(path);
     if (file < 0)
         return device_error(error, DPT_E_OPEN, "%.160s: %s", path, strerror(errno));
     dpt_result result = csv_table_stream(table, file, TEXT_MAX, format, &line, &line_error);

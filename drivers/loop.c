@@ -1,23 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The servo loop (loop.h). */
-#define _POSIX_C_SOURCE 200809L
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
-#include "clock.h"
 #include "dynpoint/loop.h"
 #include "loop_line.h"
-#include "urgent.h"
+#include "platform/clock.h"
+#include "platform/urgent.h"
 
 enum { ZERO_WRITES_MAX = 10 };
-
-static const uint64_t SECOND = 1000000000u;
 
 enum { LINES_MAX = 2 };
 
@@ -107,14 +102,13 @@ static int must_stop(const dpt_loop *loop)
     return __atomic_load_n(&loop->stop, __ATOMIC_RELAXED);
 }
 
-static dpt_result sleep_until(const dpt_loop *loop, uint64_t deadline)
+static dpt_result sleep_until(const dpt_loop *loop, const struct clock_timer *timer, uint64_t deadline)
 {
-    struct timespec time = { .tv_sec = (time_t)(deadline / SECOND), .tv_nsec = (long)(deadline % SECOND) };
-    int error;
+    int ended;
     do
-        error = clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, NULL);
-    while (error == EINTR && !must_stop(loop));
-    return error == 0 || error == EINTR ? DPT_OK : DPT_E_SYSTEM;
+        ended = clock_timer_wait(timer, deadline);
+    while (ended > 0 && !must_stop(loop));
+    return ended < 0 ? DPT_E_SYSTEM : DPT_OK;
 }
 
 static const double quarter_powers[4] = { 1.0, 1.189207115002721, 1.4142135623730951, 1.681792830507429 };
@@ -290,14 +284,14 @@ static int64_t phase_shift(struct run *run, struct phase *phase, int is_stale, u
     return age > -period && age < period ? phase_fresh(phase, period, age) : 0;
 }
 
-static dpt_result run_by_clock(struct run *run)
+static dpt_result run_by_timer(struct run *run, const struct clock_timer *timer)
 {
     uint64_t period = run->loop->period_ns, deadline, begin, end;
     dpt_loop_stats *stats = &run->lines[0].stats;
     struct phase phase = { .target_age = (int64_t)period / 8, .min_age = (int64_t)period };
     DPT_TRY(clock_read_suspended(&deadline, &run->suspended_ns));
     while (!has_ended(run)) {
-        DPT_TRY(sleep_until(run->loop, deadline));
+        DPT_TRY(sleep_until(run->loop, timer, deadline));
         if (must_stop(run->loop))
             break;
         DPT_TRY(clock_read(&begin));
@@ -320,6 +314,15 @@ static dpt_result run_by_clock(struct run *run)
     return DPT_OK;
 }
 
+static dpt_result run_by_clock(struct run *run)
+{
+    struct clock_timer timer;
+    clock_timer_open(&timer);
+    const dpt_result result = run_by_timer(run, &timer);
+    clock_timer_close(&timer);
+    return result;
+}
+
 static dpt_result run_by_device(struct run *run)
 {
     while (!has_ended(run))
@@ -334,14 +337,12 @@ static dpt_result send_zero(const struct run *run, int index)
     const dpt_loop *loop = run->loop;
     dpt_device *device = loop->lines[index].device;
     dpt_device_state ignored = { .size = sizeof ignored };
-    const struct timespec period = { .tv_sec = (time_t)(loop->period_ns / SECOND),
-                                     .tv_nsec = (long)(loop->period_ns % SECOND) };
     dpt_result result = dpt_device_write(device, &zero);
     for (int i = 1; i < ZERO_WRITES_MAX && result == DPT_E_BUSY; i++) {
         if (loop->is_deterministic)
             dpt_device_read(device, &ignored);
         else
-            nanosleep(&period, NULL);
+            clock_sleep(loop->period_ns);
         result = dpt_device_write(device, &zero);
     }
     return result;

@@ -4,28 +4,24 @@
  * advances an index of its own. The consumer looks for records every few milliseconds, so that the producer need not
  * wake it, which would be a call of the system.
  */
-#define _POSIX_C_SOURCE 200809L
 #include "dynpoint/recorder.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
-#include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "platform/clock.h"
+#include "platform/file.h"
+#include "platform/thread.h"
 
 enum { CAPACITY_MAX = 1 << 20, BLOCK_RECORDS = 128 };
 
 /* State of the thread. */
 enum { STARTING, RUNNING, FAILED };
 
-static const struct timespec writer_pause = { .tv_nsec = 4000000 };
-static const struct timespec push_pause = { .tv_nsec = 100000 };
+enum { WRITER_PAUSE = 4000000, PUSH_PAUSE = 100000 }; /* ns */
 
 struct dpt_recorder {
     dpt_recorder_def def;
@@ -55,7 +51,7 @@ void dpt_recorder_def_defaults(dpt_recorder_def *def, size_t size)
 static int write_all(int file, const unsigned char *bytes, size_t size)
 {
     while (size > 0) {
-        const ssize_t written = write(file, bytes, size);
+        const long written = file_write(file, bytes, size);
         if (written < 0 && errno == EINTR)
             continue;
         if (written <= 0)
@@ -79,8 +75,7 @@ static void write_block(dpt_recorder *recorder, uint32_t records)
     counts->lost += records;
     if (!counts->error)
         counts->error = (uint32_t)error;
-    if (ftruncate(recorder->file, (off_t)counts->bytes) != 0 ||
-        lseek(recorder->file, (off_t)counts->bytes, SEEK_SET) < 0)
+    if (file_cut(recorder->file, counts->bytes) != 0)
         recorder->is_broken = 1;
 }
 
@@ -116,24 +111,19 @@ static void *write_records(void *given)
             continue;
         if (must_end)
             break;
-        nanosleep(&writer_pause, NULL);
+        clock_sleep(WRITER_PAUSE);
     }
     return NULL;
 }
 
-/* Start the thread with all signals blocked, so that they go to the host's threads, and wait until it runs. */
+/* Start the thread, and wait until it runs. */
 static dpt_result start(dpt_recorder *recorder)
 {
-    sigset_t all, before;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&recorder->thread, NULL, write_records, recorder);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (error)
+    if (thread_start(&recorder->thread, write_records, recorder))
         return DPT_E_SYSTEM;
     uint32_t state;
     while ((state = __atomic_load_n(&recorder->state, __ATOMIC_ACQUIRE)) == STARTING)
-        nanosleep(&push_pause, NULL);
+        clock_sleep(PUSH_PAUSE);
     if (state == RUNNING)
         return DPT_OK;
     pthread_join(recorder->thread, NULL);
@@ -172,9 +162,9 @@ static dpt_recorder *allocate(const dpt_recorder_def *def, const dpt_record_head
 /* Open the file and start. */
 static dpt_result begin(dpt_recorder *recorder, const char *path)
 {
-    struct stat status;
-    const int is_new = stat(path, &status) != 0;
-    recorder->file = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    struct file_status status;
+    const int is_new = file_get_status(path, &status) != 0;
+    recorder->file = file_open_write(path);
     if (recorder->file < 0)
         return DPT_E_OPEN;
     const dpt_result result = start(recorder);
@@ -182,7 +172,7 @@ static dpt_result begin(dpt_recorder *recorder, const char *path)
         return DPT_OK;
     close(recorder->file);
     if (is_new)
-        unlink(path);
+        file_remove(path);
     errno = (int)recorder->counts.error;
     return result;
 }
@@ -234,7 +224,7 @@ dpt_result dpt_recorder_push(dpt_recorder *recorder, const dpt_record *given)
             recorder->counts.dropped++;
             return DPT_E_FULL;
         }
-        nanosleep(&push_pause, NULL);
+        clock_sleep(PUSH_PAUSE);
     }
     recorder->ring[head & (capacity - 1)] = record;
     __atomic_store_n(&recorder->head, head + 1, __ATOMIC_RELEASE);

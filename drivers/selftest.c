@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The self-test of a device (selftest.h): what it reports while it is read, and how it moves when it is pushed. */
-#define _POSIX_C_SOURCE 200809L
 #include "dynpoint/selftest.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 #include "base/quaternion.h"
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "base/vec3.h"
-#include "clock.h"
+#include "platform/clock.h"
 #include "rotation.h"
 
 /* A slower watchdog, s, is not tested: the test would push the hand too far. */
@@ -145,12 +143,6 @@ static void add_state(struct observed *seen, const dpt_device_state *now)
     seen->last = *now;
 }
 
-static void sleep_for(double seconds)
-{
-    const struct timespec time = { .tv_sec = (time_t)seconds, .tv_nsec = (long)(1e9 * (seconds - floor(seconds))) };
-    nanosleep(&time, NULL);
-}
-
 /* Read for so many seconds and write this wrench after each read; NULL: write nothing. */
 static void observe(struct selftest *test, double seconds, const dpt_wrench *wrench, struct observed *seen)
 {
@@ -180,7 +172,7 @@ static void observe(struct selftest *test, double seconds, const dpt_wrench *wre
         seen->slow_writes += after - between > slow_ns;
         seen->seconds = is_real_time ? (double)(between - begin) * 1e-9 : seen->seconds + period;
         if (is_real_time)
-            sleep_for(read_period);
+            clock_sleep((uint64_t)(1e9 * read_period));
     }
     test->displacement_error_max = fmax(test->displacement_error_max, seen->motion.displacement_error_max);
     test->displacement_max = fmax(test->displacement_max, seen->motion.displacement_max);

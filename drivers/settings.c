@@ -7,6 +7,7 @@
 
 #include "base/return_if_error.h"
 #include "text/near_word.h"
+#include "text/open_file.h"
 #include "text/parse_number.h"
 
 /* The setting that every driver has: a file with more of them. */
@@ -228,7 +229,7 @@ static dpt_result read_lines(const char *path, FILE *stream, settings_line_fn *t
 
 dpt_result settings_file_read(const char *path, settings_line_fn *take, void *user, dpt_device_error *error)
 {
-    FILE *stream = fopen(path, "r");
+    FILE *stream = open_file(path, "r");
     if (!stream)
         return device_error(error, DPT_E_OPEN, "%.100s: it cannot be opened", path);
     const dpt_result result = read_lines(path, stream, take, user, error);

@@ -25,6 +25,7 @@ view|234 MB, and three.js from npm|the viewer in a browser: its server, its page
 build|26 MB|projects built with CMake; manual pages as they are shown|cmake groff
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
 python|9 MB, and 38 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
+platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
 wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs'
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
@@ -64,6 +65,7 @@ fetch() {
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
     motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
     view) fetch_three ;;
+    platforms) sh tests/lib/venv.sh build/venv-platforms tests/platforms/requirements.txt ;;
     vm)
         sh tests/vm/kernel.sh fetch
         kernel=$?

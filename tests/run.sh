@@ -130,11 +130,17 @@ else
     run "races of threads" sh tests/tools/thread_races.sh build
     run_reading "include src" "MuJoCo's soft bodies" sh tests/bench/soft.sh build
     run "crossings, and a z-buffer's" sh tests/bench/crossings.sh build
+    run "another C library" sh tests/platforms/musl.sh build
+    if [ "$whole" = release ]; then
+        run_waiting "Windows" env JOBS=1 sh tests/platforms/windows.sh build
+        run "macOS" env JOBS=1 sh tests/platforms/macos.sh build
+    fi
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build
     run "packages for tests" sh tests/deps_test.sh build
     run_reading "" "what has passed is kept" sh tests/run_test.sh build
     if command -v python3 >/dev/null 2>&1; then
+        run "libraries alone" python3 -B tests/platforms/alone.py build
         run "other languages" python3 tests/ffi/touch.py build
         run "declarations for other languages" python3 tests/ffi/cdef.py build
         run "a host in another language" python3 -B tests/ffi/host.py build

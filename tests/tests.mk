@@ -99,7 +99,7 @@ $(B)/tests/test_exactness: | $(B)/dynpoint
 # Tests of the program's parts: linked with what they use of it, all but its main.
 tests_of = $(patsubst $1/%.c,$(B)/tests/%,$(wildcard $1/test_*.c))
 TOOLS_LIB := $(B)/tests/tools.a
-$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o,$(TOOLS)) $(filter-out $(B)/src/scene/shape%,$(HOST)) $(URDF_PARTS) $(CONVEX_PARTS)
+$(TOOLS_LIB): $(filter-out $(B)/tools/cli/dynpoint.o,$(TOOLS)) $(PLATFORM_PROGRAM) $(filter-out $(B)/src/scene/shape%,$(HOST)) $(URDF_PARTS) $(CONVEX_PARTS)
 TOOLS_TESTS := $(call tests_of,tests/host) $(call tests_of,tests/tools) $(call tests_of,tests/view) $(call tests_of,tests/view/server) $(B)/tests/test_springs_passes $(B)/tests/test_fuzz
 $(TOOLS_TESTS): $(TOOLS_LIB)
 TOOLS_TEST_LIBS := -Wl,--as-needed $(LWS_LIBS) $(JANSSON_LIBS) $(URDF_LIBS) $(CONVEX_LIBS)
@@ -277,6 +277,11 @@ check-view: all ## the viewer's page in a headless Chromium; make check does it 
 check-wasm: all $(B)/tests/wasm/native_answers ## WebAssembly against the native library; make check does it too
 	@sh tests/wasm/check.sh $(B)
 
+check-platforms: all ## musl, Windows by mingw-w64, zig and wine, macOS by zig; make check does musl, make check-release all
+	@sh tests/platforms/musl.sh $(B)
+	@sh tests/platforms/windows.sh $(B)
+	@sh tests/platforms/macos.sh $(B)
+
 check-page: all $(B)/tests/page/feel_again ## the page with the core in it, against the native library; make check does it too
 	@sh tests/page/check.sh $(B)
 
@@ -320,7 +325,7 @@ endif
            $(B)/tests/firmware/*.d $(B)/tests/oracle/*.d $(B)/tests/drivers/hd/*.d)
 
 $(B)/tests/bench/dump_mesh: $(B)/tests/bench/dump_mesh.o $(B)/tools/cli/command_options.o $(B)/tools/cli/complete.o \
-  $(patsubst %,$(B)/src/scene/%.o,host_file host_error scene_list) $(DRIVER_PARTS) $(TEXT) $(COMPILE) $(CORE)
+  $(patsubst %,$(B)/src/scene/%.o,host_file host_error scene_list) $(DRIVER_PARTS) $(PLATFORM_PROGRAM) $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) $(DL) -o $@
 
 $(B)/tests/bench/strips $(B)/tests/bench/budgets $(B)/tests/bench/python_ticks $(B)/tests/wasm/native_answers $(B)/tests/page/feel_again: %: %.o $(CORE)

@@ -9,8 +9,8 @@
 
 #include "base/return_if_error.h"
 #include "can/can_session.h"
-#include "clock.h"
 #include "dynpoint/driver.h"
+#include "platform/clock.h"
 #include "settings.h"
 
 #define MS                1000000u

@@ -5,7 +5,7 @@
 
 #include "base/return_if_error.h"
 #include "can/can_setup.h"
-#include "clock.h"
+#include "platform/clock.h"
 #include "settings.h"
 
 #define MS            1000000u

@@ -5,7 +5,7 @@
 
 #include "base/return_if_error.h"
 #include "base/vec3.h"
-#include "clock.h"
+#include "platform/clock.h"
 #include "settings.h"
 
 #define MS        1000000u

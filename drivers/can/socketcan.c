@@ -4,7 +4,7 @@
 #endif
 #include "can/socketcan.h"
 
-#include "clock.h"
+#include "platform/clock.h"
 #include "settings.h"
 
 #ifdef __linux__

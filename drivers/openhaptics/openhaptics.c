@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The driver "openhaptics": Touch and Phantom devices, "openhaptics:Left Device?rate=1000" (docs/drivers.md). */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,10 +8,11 @@
 
 #include "base/return_if_error.h"
 #include "base/wrench_limit.h"
-#include "clock.h"
 #include "dynpoint/driver.h"
 #include "dynpoint/openhaptics.h"
 #include "openhaptics/openhaptics_servo.h"
+#include "platform/clock.h"
+#include "platform/thread.h"
 #include "settings.h"
 
 typedef char joints_fit[(int)SERVO_JOINTS <= DPT_JOINTS_MAX ? 1 : -1];

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
-
 #include "openhaptics/openhaptics_library.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +9,7 @@
 #include "base/return_if_error.h"
 #include "dynpoint/openhaptics.h"
 #include "openhaptics/hd_api.h"
+#include "platform/library.h"
 #include "settings.h"
 
 /* What packagers look for: https://uapi-group.org/specifications/specs/elf_dlopen_metadata/ */
@@ -45,7 +43,7 @@ static const struct {
 #undef OPTIONAL
 };
 
-/* 1 if dlopen's message says that `file` does not exist: `file` itself, or a library that it needs. */
+/* 1 if library_load's reason says that `file` does not exist: `file` itself, or a library that it needs. */
 static int is_missing(const char *file, const char *text)
 {
     const size_t length = strlen(file);
@@ -81,7 +79,7 @@ static dpt_result explain_failure(const char *name, const char *text, dpt_device
 static dpt_result find_functions(void *handle, const char *name, dpt_device_error *error)
 {
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++) {
-        void *symbol = dlsym(handle, functions[i].name);
+        void *symbol = library_find(handle, functions[i].name);
         if (!symbol && !functions[i].is_optional)
             return device_error(error, DPT_E_UNSUPPORTED, "%.60s has no %s: it is not OpenHaptics, or older than 3.0",
                                 name, functions[i].name);
@@ -98,9 +96,27 @@ hd_error hd_take_error(const struct hd_library *library)
     return last;
 }
 
+/* One of these names, the first that is there. NULL: *failed is the first that is there and does not load, or NULL. */
+static void *load_one_of(const char *const *names, int is_requested, const char **found, const char **failed,
+                         char *text, size_t room)
+{
+    char reason[256];
+    *failed = NULL;
+    for (; *names; names++) {
+        void *library = library_load(*names, reason, sizeof reason);
+        *found = *names;
+        if (library)
+            return library;
+        if (*failed || (!is_requested && is_missing(*names, reason)))
+            continue;
+        *failed = *names;
+        snprintf(text, room, "%s", reason);
+    }
+    return NULL;
+}
+
 dpt_result hd_library_load(const char *name, const struct hd_library **library, dpt_device_error *error)
 {
-    static const char *const default_names[] = { "libHD.so", "libHD.so.3.4", "libHD.so.3.0" };
     const char *requested_name = *name ? name : getenv("DPT_HD_LIBRARY");
     requested_name = requested_name && *requested_name ? requested_name : NULL;
     *library = &loaded.library;
@@ -111,28 +127,19 @@ dpt_result hd_library_load(const char *name, const struct hd_library **library, 
                             "this program has loaded %.60s, and can have only one: leave library= "
                             "out, or start another program for %.60s",
                             loaded.name, requested_name);
-    const size_t count = requested_name ? 1 : sizeof default_names / sizeof *default_names;
-    const char *const *names = requested_name ? &requested_name : default_names;
-    const char *failed = NULL;
+    const char *const requested[] = { requested_name, NULL };
+    const char *found = NULL, *failed = NULL;
     char text[256];
-    void *handle = NULL;
-    size_t i = 0;
-    for (; i < count && !handle; i++) {
-        handle = dlopen(names[i], RTLD_NOW | RTLD_GLOBAL);
-        const char *reason = handle ? NULL : dlerror();
-        if (!reason || failed || (!requested_name && is_missing(names[i], reason)))
-            continue;
-        failed = names[i];
-        snprintf(text, sizeof text, "%s", reason);
-    }
+    void *handle = load_one_of(requested_name ? requested : library_names_of_hd, requested_name != NULL, &found,
+                               &failed, text, sizeof text);
     if (!handle && failed)
         return explain_failure(failed, text, error);
     if (!handle)
         return device_error(error, DPT_E_UNSUPPORTED,
-                            "OpenHaptics is not installed (no libHD.so, .3.4 or .3.0): get its "
+                            "OpenHaptics is not installed (no %s): get its "
                             "developer edition and the Touch device driver from 3D Systems, or say "
-                            "where it is by ?library= or DPT_HD_LIBRARY");
-    const char *found = names[i - 1];
+                            "where it is by ?library= or DPT_HD_LIBRARY",
+                            library_names_text_of_hd);
     const dpt_result result = find_functions(handle, found, error);
     if (result == DPT_OK)
         snprintf(loaded.name, sizeof loaded.name, "%s", found);

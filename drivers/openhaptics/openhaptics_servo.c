@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "openhaptics/openhaptics_servo.h"
 
 #include <string.h>
-#include <time.h>
 
 #include "base/vec3.h"
-#include "clock.h"
 #include "dynpoint/openhaptics.h"
+#include "platform/clock.h"
 
 enum { CALIBRATE_EVERY = 50, ERRORS_A_TICK = 32, START_MS = 100, LEAVE_MS = 1000 };
 
@@ -30,8 +28,7 @@ static struct {
 
 void servo_wait(void)
 {
-    const struct timespec time = { 0, 1000000 };
-    nanosleep(&time, NULL);
+    clock_sleep(1000000);
 }
 
 static struct servo *servo_at(int i)

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A device that plays a recorded motion, a trace of tick,ax,ay,az,bx,by,bz (docs/drivers.md, "replay"). */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,9 +8,9 @@
 #include "base/quaternion.h"
 #include "base/return_if_error.h"
 #include "base/vec3.h"
-#include "clock.h"
 #include "csv.h"
 #include "dynpoint/driver.h"
+#include "platform/clock.h"
 #include "settings.h"
 
 /* The longest trace. 2^63 ns are 292 years, and a trace may be repeated. */

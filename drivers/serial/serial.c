@@ -7,9 +7,9 @@
 
 #include "base/return_if_error.h"
 #include "base/wrench_limit.h"
-#include "clock.h"
 #include "dynpoint/driver.h"
-#include "serial/serial_line.h"
+#include "platform/clock.h"
+#include "platform/serial_line.h"
 #include "serial/wire.h"
 #include "settings.h"
 

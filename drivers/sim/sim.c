@@ -3,7 +3,6 @@
  * A simulated device: a mass with damping and friction for each degree of freedom, which a hand pulls by a spring or
  * pushes, with encoder steps, zero-order hold, delay, and a line that loses frames (docs/drivers.md, "sim").
  */
-#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +10,8 @@
 #include "base/return_if_error.h"
 #include "base/sincos.h"
 #include "base/wrench_limit.h"
-#include "clock.h"
 #include "dynpoint/driver.h"
+#include "platform/clock.h"
 #include "settings.h"
 #include "sim/sim_axis.h"
 #include "sim/sim_random.h"

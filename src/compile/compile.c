@@ -14,6 +14,7 @@
 #include "compile/model.h"
 #include "compile/spring_build.h"
 #include "compile/text.h"
+#include "text/open_file.h"
 
 /* ---- the format of a file ---- */
 
@@ -251,7 +252,8 @@ static dpt_result take_springs(struct compile_call *call)
     const dpt_spring_net_def *given = call->def.springs;
     call->springs.size = sizeof call->springs;
     call->def.springs = &call->springs;
-    dpt_result result = sized_read(given, SIZED_FIRST(dpt_spring_net_def, poisson), &call->springs, sizeof call->springs);
+    dpt_result result =
+        sized_read(given, SIZED_FIRST(dpt_spring_net_def, poisson), &call->springs, sizeof call->springs);
     if (result == DPT_E_UNSUPPORTED)
         return compile_fail(context, result, nowhere, "the def of the springs has newer fields");
     if (result != DPT_OK)
@@ -412,7 +414,7 @@ dpt_result dpt_compile_file(const char *path, const dpt_compile_def *def, dpt_co
     dpt_result result = begin_call(&call, def, out, diag);
     if (result == DPT_OK && !path)
         result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no name of a file");
-    FILE *file = result == DPT_OK ? fopen(path, "rb") : NULL;
+    FILE *file = result == DPT_OK ? open_file(path, "rb") : NULL;
     if (result == DPT_OK && !file)
         result = compile_fail(&call.context, DPT_E_OPEN, nowhere, "it cannot be opened: %s", strerror(errno));
     if (result == DPT_OK)

@@ -11,15 +11,17 @@
 #include "compile/soup.h"
 #include "compile/text.h"
 
-enum { NO_TYPE, INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64 };
+enum { NO_TYPE, OF_INT8, OF_UINT8, OF_INT16, OF_UINT16, OF_INT32, OF_UINT32, OF_FLOAT32, OF_FLOAT64 };
 
 static const struct {
     const char *name;
     uint8_t type;
-} type_names[] = { { "char", INT8 },   { "uchar", UINT8 },   { "short", INT16 },     { "ushort", UINT16 },
-                   { "int", INT32 },   { "uint", UINT32 },   { "float", FLOAT32 },   { "double", FLOAT64 },
-                   { "int8", INT8 },   { "uint8", UINT8 },   { "int16", INT16 },     { "uint16", UINT16 },
-                   { "int32", INT32 }, { "uint32", UINT32 }, { "float32", FLOAT32 }, { "float64", FLOAT64 } };
+} type_names[] = {
+    { "char", OF_INT8 },   { "uchar", OF_UINT8 },   { "short", OF_INT16 },     { "ushort", OF_UINT16 },
+    { "int", OF_INT32 },   { "uint", OF_UINT32 },   { "float", OF_FLOAT32 },   { "double", OF_FLOAT64 },
+    { "int8", OF_INT8 },   { "uint8", OF_UINT8 },   { "int16", OF_INT16 },     { "uint16", OF_UINT16 },
+    { "int32", OF_INT32 }, { "uint32", OF_UINT32 }, { "float32", OF_FLOAT32 }, { "float64", OF_FLOAT64 }
+};
 
 static const uint8_t type_bytes[] = { 0, 1, 1, 2, 2, 4, 4, 4, 8 };
 
@@ -355,13 +357,13 @@ static double decode(const char *bytes, uint8_t type, int is_big_endian)
 {
     uint64_t bits = load_bits(bytes, type_bytes[type], is_big_endian);
     switch (type) {
-    case INT8:
-    case INT16:
-    case INT32:
+    case OF_INT8:
+    case OF_INT16:
+    case OF_INT32:
         return load_signed(bits, type_bytes[type]);
-    case FLOAT32:
+    case OF_FLOAT32:
         return load_float(bits);
-    case FLOAT64:
+    case OF_FLOAT64:
         return load_double(bits);
     default:
         return (double)bits;

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "host/host_embed.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/crc32.h"
 #include "base/return_if_error.h"
+#include "platform/file.h"
 #include "scene/host_file.h"
 #include "scene/scene_list.h"
 #include "scene/setting_words.h"
+#include "text/open_file.h"
 
 /* Small, so that damage leaves most of a file, and is found soon. */
 enum { PIECE_BYTES = 65536 };
@@ -40,8 +39,8 @@ dpt_result host_embed_load(struct host_embed *embed, struct scene_def *def, cons
 {
     const char *name = setting_names_for(def->command)->embed;
     const int is_listed = scene_listed(def->path) != NULL;
-    struct stat status;
-    if (stat(record, &status) == 0 && !S_ISREG(status.st_mode))
+    struct file_status status;
+    if (file_get_status(record, &status) == 0 && !status.is_regular)
         return host_refuse(error, DPT_E_ARGUMENT, "%s: %s is no file to which a scene can be added", name, record);
     if (def->file)
         return host_refuse(error, DPT_E_UNSUPPORTED,
@@ -85,14 +84,14 @@ static int write_pieces(const struct host_embed *embed, unsigned char *piece, FI
 dpt_result host_embed_write(const struct host_embed *embed, const char *record, dpt_host_error *error)
 {
     unsigned char *piece = malloc(embed_piece_size(PIECE_BYTES));
-    FILE *out = piece ? fopen(record, "ab") : NULL;
+    FILE *out = piece ? open_file(record, "ab") : NULL;
     int reason = piece ? errno : ENOMEM, is_written = 0;
-    if (out && fseek(out, 0, SEEK_END) == 0) {
-        const long before = ftell(out);
+    struct file_status before;
+    if (out && file_get_stream_status(out, &before) == 0) {
         is_written = write_pieces(embed, piece, out);
         reason = errno;
-        if (!is_written && ftruncate(fileno(out), before) != 0)
-            is_written = 0;
+        if (!is_written)
+            file_cut_stream(out, before.bytes);
     }
     if (out && fclose(out) != 0 && is_written) {
         is_written = 0;

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "scene/host_file.h"
 
 #include <ctype.h>
@@ -8,7 +7,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+
+#include "platform/file.h"
+#include "text/open_file.h"
 
 enum { FIRST_ROOM = 1 << 16, PIECE_BYTES = 4096 };
 
@@ -28,9 +29,9 @@ int host_file_ends_in(const char *path, const char *ending)
 
 int host_file_is_same(const char *path, const char *other)
 {
-    struct stat one, two;
-    return path && other && stat(path, &one) == 0 && stat(other, &two) == 0 && one.st_dev == two.st_dev &&
-           one.st_ino == two.st_ino;
+    struct file_status one, two;
+    return path && other && file_get_status(path, &one) == 0 && file_get_status(other, &two) == 0 &&
+           one.volume == two.volume && one.number == two.number;
 }
 
 int host_file_is_of_device(const char *path, const char *device)
@@ -48,8 +49,8 @@ int host_file_is_of_device(const char *path, const char *device)
 
 static int has_length(FILE *file)
 {
-    struct stat status;
-    return fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode);
+    struct file_status status;
+    return file_get_stream_status(file, &status) == 0 && status.is_regular;
 }
 
 /* All that comes, with room for a zero behind it. NULL: reading failed, and errno says why; EFBIG: beyond STREAM_MAX. */
@@ -62,8 +63,8 @@ static unsigned char *read_all(FILE *file, size_t *size)
     while (got) {
         if (*size + 1 >= room) {
             const size_t larger = room ? 2 * room : FIRST_ROOM;
-            void *grown;
-            if (posix_memalign(&grown, 64, larger)) {
+            void *grown = file_memory(larger);
+            if (!grown) {
                 errno = ENOMEM;
                 break;
             }
@@ -88,7 +89,7 @@ static unsigned char *read_all(FILE *file, size_t *size)
 
 void *host_file_load(const char *path, size_t *size, dpt_host_error *error)
 {
-    FILE *file = strcmp(path, "-") ? fopen(path, "rb") : stdin;
+    FILE *file = strcmp(path, "-") ? open_file(path, "rb") : stdin;
     if (!file) {
         host_refuse(error, DPT_E_OPEN, "%s: cannot be opened: %s", path, strerror(errno));
         return NULL;
@@ -111,8 +112,8 @@ void *host_file_load(const char *path, size_t *size, dpt_host_error *error)
 
 void *host_file_copy(const void *bytes, size_t size, dpt_host_error *error)
 {
-    void *copy;
-    if (posix_memalign(&copy, 64, size + 1)) {
+    void *copy = file_memory(size + 1);
+    if (!copy) {
         host_refuse(error, DPT_E_MEMORY, "memory ran out");
         return NULL;
     }

@@ -9,6 +9,7 @@
 
 #include "scene/setting_words.h"
 #include "scene/shape.h"
+#include "text/open_file.h"
 
 /* A copy of its own: `before` bytes of one text, and another one. */
 static char *join(struct json_reader *reader, const struct json_value *at, const char *first, size_t before,
@@ -219,7 +220,7 @@ int scene_file_parse(struct scene_file *file, const char *path, const char *text
 /* At most SCENE_FILE_BYTES_MAX + 1 bytes, which is one too many. */
 static dpt_result read_bytes(const char *path, char *bytes, size_t *size, dpt_host_error *error)
 {
-    FILE *stream = fopen(path, "rb");
+    FILE *stream = open_file(path, "rb");
     if (!stream)
         return host_refuse(error, DPT_E_OPEN, "%s: cannot be opened: %s", path, strerror(errno));
     *size = fread(bytes, 1, SCENE_FILE_BYTES_MAX + 1, stream);

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "scene/scene_physics.h"
 
 #include <math.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 
-#include "clock.h"
+#include "platform/clock.h"
+#include "platform/thread.h"
 
 /* For each point at which a tool pushes (body.h); and of each vertex, embedded in nodes. */
 enum { VERTICES_OF_POINT = 256, NODES_OF_VERTEX = 4 };
@@ -113,8 +111,8 @@ dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *sprin
 #define LOOP_PERIODS_HELD 3.0
 #define SECONDS_HELD      0.02
 
-/* s: how long the thread sleeps before it looks whether it must end. */
-#define NAP 0.02
+/* ns: how long the thread sleeps before it looks whether it must end. */
+#define NAP 20000000u
 
 /* A ratio of rates is a whole number within this share of it. */
 #define WHOLE_NUMBER 1e-9
@@ -265,16 +263,10 @@ static int must_end(const struct scene_physics *physics)
     return __atomic_load_n(&physics->must_end, __ATOMIC_RELAXED) != 0;
 }
 
-static void nap(double seconds)
-{
-    const struct timespec time = { (time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds)) };
-    nanosleep(&time, NULL);
-}
-
 static void sleep_until(const struct scene_physics *physics, uint64_t deadline)
 {
     for (uint64_t now = clock_now(); now < deadline && !must_end(physics); now = clock_now())
-        nap(fmin(1e-9 * (double)(deadline - now), NAP));
+        clock_sleep(deadline - now < NAP ? deadline - now : NAP);
 }
 
 /* Steps at absolute deadlines. Those that a long step missed are left out, so that it never runs after the loop. */
@@ -306,15 +298,10 @@ static void *run(void *user)
 
 dpt_result scene_physics_start(struct scene_physics *physics, double loop_rate)
 {
-    sigset_t all, before;
     physics->held_ns = (uint64_t)(1e9 * fmax(SECONDS_HELD, LOOP_PERIODS_HELD / loop_rate));
     physics->has_thread = 1;
     __atomic_store_n(&physics->must_end, 0u, __ATOMIC_RELAXED);
-    /* Signals are for the thread that watches for them. */
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int error = pthread_create(&physics->thread, NULL, run, physics);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    const int error = thread_start(&physics->thread, run, physics);
     physics->is_running = error == 0;
     return error ? DPT_E_SYSTEM : DPT_OK;
 }

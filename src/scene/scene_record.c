@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "clock.h"
+#include "platform/clock.h"
 
 static dpt_result open_recorder(struct scene_record *record, const dpt_record_header *header, int waits,
                                 dpt_host_error *error)

@@ -222,7 +222,7 @@ exact=$(sed -n 's/^EXACT := //p' Makefile)
 strict=0
 [ -n "$convex" ] && optional= || optional="! -path src/convex/*"
 grep -q DPT_HAS_JANSSON "$build/built_with.h" || optional="$optional ! -path src/scene/json_value.c"
-for source in $(set -f; find src drivers -name '*.c' ! -path 'src/bindings/*' $optional); do
+for source in $(set -f; find src drivers -name '*.c' ! -path 'src/bindings/*' ! -path 'drivers/platform/windows/*' ! -path 'drivers/platform/macos/*' $optional); do
     ${CC:-cc} $c99 -Iinclude -Isrc -Idrivers -I"$build" -O1 $exact -fPIC -fsyntax-only "$source" || strict=1
 done
 verdict $strict "every source is pedantic C99"
@@ -270,7 +270,7 @@ verdict $foreign "a back end's headers are included by itself and by its end in 
 mkdir -p "$scratch/hidden/linux"
 echo '#error "not outside of drivers/can and tools/simulate/simulate_can*.c"' >"$scratch/hidden/linux/can.h"
 hidden=0
-for source in $(set -f; find src drivers tools -name '*.c' ! -path 'src/bindings/*' $optional ! -path 'drivers/can/*' ! -path "tools/simulate/simulate_can*.c" ! -path src/scene/json_value.c); do
+for source in $(set -f; find src drivers tools -name '*.c' ! -path 'src/bindings/*' ! -path 'drivers/platform/windows/*' ! -path 'drivers/platform/macos/*' $optional ! -path 'drivers/can/*' ! -path "tools/simulate/simulate_can*.c" ! -path src/scene/json_value.c); do
     ${CC:-cc} -std=gnu99 -I"$scratch/hidden" -Iinclude -Isrc -Idrivers -Itools -I"$build" -E "$source" >"$scratch/preprocessed" || hidden=1
 done
 verdict $hidden "no source but those of CAN needs linux/can.h"

@@ -19,7 +19,7 @@
 
 #include "dynpoint/device.h"
 #include "lib/check.h"
-#include "serial/serial_line.h"
+#include "platform/serial_line.h"
 #include "simulate/simulate_serial.h"
 
 /*

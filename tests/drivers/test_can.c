@@ -8,7 +8,7 @@
  */
 #include "drivers/can_fixture.h"
 
-#include "clock.h"
+#include "platform/clock.h"
 
 static int cycles = 60000;
 

@@ -7,7 +7,7 @@
 #include "drivers/dynamics_checks.h"
 #include "lib/pose.h"
 
-#include "clock.h"
+#include "platform/clock.h"
 #include "simulate/simulate_serial.h"
 
 static char gantry_path[64];

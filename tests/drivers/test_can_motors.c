@@ -7,9 +7,9 @@
  */
 #include "drivers/can_fixture.h"
 
-#include "clock.h"
 #include "dynpoint/guard.h"
 #include "dynpoint/selftest.h"
+#include "platform/clock.h"
 
 /* Five ticks of the loop; and watchdogs of so many milliseconds. */
 enum { TICKS_MAX = 5, WATCHDOG_MS = 20 };

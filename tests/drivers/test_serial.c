@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-#include "clock.h"
+#include "platform/clock.h"
 
 static void opens_and_tells(void)
 {

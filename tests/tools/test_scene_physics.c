@@ -8,9 +8,9 @@
 
 #include <time.h>
 
-#include "clock.h"
 #include "lib/check.h"
 #include "lib/soft_scene.h"
+#include "platform/clock.h"
 
 enum { TICKS = 1000, TICKS_ASLEEP_MOST = 20000 };
 #define LOOP_RATE 1000.0

@@ -1,21 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "chart/chart_peers.h"
 
-#include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "cli/csv_rows.h"
-
-extern char **environ;
+#include "platform/file.h"
+#include "platform/program.h"
+#include "text/open_file.h"
 
 static const char prefix[] = "peer_";
 
@@ -91,22 +86,10 @@ static int write_inputs(const struct exchange *exchange, const struct scene *sce
 static int run_program(const char *program, const struct exchange *exchange, uint32_t passes)
 {
     char repeat[16];
-    pid_t child;
-    int status;
-    posix_spawn_file_actions_t actions;
     snprintf(repeat, sizeof repeat, "%u", (unsigned)passes);
-    const char *const arguments[] = { program,  exchange->mesh, exchange->trace, "-o", exchange->answers,
-                                      "--json", "--repeat",     repeat,          NULL };
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, exchange->report, O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    const int failed = posix_spawn(&child, program, &actions, NULL, (char *const *)arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (failed)
-        return 0;
-    while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR)
-            return 0;
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    const char *const words[] = { program,  exchange->mesh, exchange->trace, "-o", exchange->answers,
+                                  "--json", "--repeat",     repeat,          NULL };
+    return program_run(words, exchange->report);
 }
 
 /* The number behind a key that stands in `at`; 0 if it is not there. */
@@ -141,7 +124,7 @@ static void read_histogram(struct tick_histogram *histogram, const char *text)
 static int read_report(struct chart_row *row, const char *path)
 {
     char text[REPORT_ROOM];
-    FILE *file = fopen(path, "rb");
+    FILE *file = open_file(path, "rb");
     const size_t size = file ? fread(text, 1, sizeof text - 1, file) : 0;
     struct judgement *judged = &row->judged;
     if (file)
@@ -218,51 +201,42 @@ static void add_peer(struct chart_rows *rows, const char *folder, const char *na
         insert_row(rows, &row);
     else
         complain("chart", "%s: it failed, and is left out", program);
-    remove(exchange->report);
-    remove(exchange->answers);
+    file_remove(exchange->report);
+    file_remove(exchange->answers);
 }
 
-static int is_peer_name(const struct dirent *entry)
+static int is_peer_name(const char *name)
 {
-    const char *name = entry->d_name;
     return !strncmp(name, prefix, strlen(prefix)) && !strchr(name, '.') && !strchr(name, ',');
-}
-
-static void free_names(struct dirent **names, int count)
-{
-    for (int i = 0; i < count; i++)
-        free(names[i]);
-    free(names);
 }
 
 int chart_peers_check(const struct scene *scene, const char *folder)
 {
-    struct dirent **names = NULL;
+    char **names;
     if (!is_for_peers(scene))
         return complain("chart", "--peers: they know a single rigid mesh and a stylus alone");
-    const int count = scandir(folder, &names, is_peer_name, alphasort);
+    const int count = file_list(folder, is_peer_name, &names);
     if (count < 0)
         return complain("chart", "%s: cannot be read: %s", folder, strerror(errno));
-    free_names(names, count);
+    file_list_free(names, count);
     return count ? 0 : complain("chart", "%s: there is no program peer_NAME", folder);
 }
 
 int chart_peers_measure(struct chart_rows *rows, const struct scene *scene, const struct csv_table *trace,
                         const char *folder, const char *beside, uint32_t passes)
 {
-    struct dirent **names = NULL;
+    char **names = NULL;
     struct exchange exchange;
     snprintf(exchange.mesh, sizeof exchange.mesh, "%s.peer.tri", beside);
     snprintf(exchange.trace, sizeof exchange.trace, "%s.peer.trace", beside);
     snprintf(exchange.answers, sizeof exchange.answers, "%s.peer.answers", beside);
     snprintf(exchange.report, sizeof exchange.report, "%s.peer.report", beside);
     const int status = write_inputs(&exchange, scene, trace);
-    const int count = status ? 0 : scandir(folder, &names, is_peer_name, alphasort);
+    const int count = status ? 0 : file_list(folder, is_peer_name, &names);
     for (int i = 0; i < count; i++)
-        add_peer(rows, folder, names[i]->d_name, &exchange, passes);
-    if (count >= 0)
-        free_names(names, count);
-    remove(exchange.mesh);
-    remove(exchange.trace);
+        add_peer(rows, folder, names[i], &exchange, passes);
+    file_list_free(names, count);
+    file_remove(exchange.mesh);
+    file_remove(exchange.trace);
     return status;
 }

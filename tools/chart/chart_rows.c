@@ -9,7 +9,7 @@
 #include "base/return_if_error.h"
 #include "cli/command_options.h"
 #include "cli/law_name.h"
-#include "clock.h"
+#include "platform/clock.h"
 #include "run/replay_report.h"
 #include "scene/setting_words.h"
 #include "shape/mesh_size.h"

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "cli/arm_file.h"
 #include "cli/command_options.h"
@@ -14,6 +12,7 @@
 #include "compile/foreign.h"
 #include "compile/soup.h"
 #include "dynpoint/compile.h"
+#include "platform/file.h"
 #include "shape/mesh_file.h"
 #include "shape/mesh_size.h"
 
@@ -269,7 +268,7 @@ static int compile_mesh(const char *in, const void *bytes, size_t size, dpt_comp
 static int compile_input(const char *in, dpt_compile_def *def, const struct arm_options *arm, dpt_compiled *compiled,
                          int *is_arm)
 {
-    struct stat found;
+    struct file_status found;
     size_t size;
     int status;
     *is_arm = is_urdf_name(in);
@@ -281,7 +280,7 @@ static int compile_input(const char *in, dpt_compile_def *def, const struct arm_
     if (!bytes)
         return 2;
     *is_arm = is_urdf_text(bytes);
-    if (*is_arm && (stat(in, &found) != 0 || !S_ISREG(found.st_mode)))
+    if (*is_arm && (file_get_status(in, &found) != 0 || !found.is_regular))
         status = complain("compile",
                           "%s: a URDF is read from a file, not from a pipe: what it names is looked for beside it", in);
     else if (*is_arm && (def->cell_count || def->springs))
@@ -373,9 +372,10 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
 static int check_settings(struct compile_settings *settings)
 {
     const char *out = settings->out, *unit = settings->unit;
+    struct file_status there;
     if (output_check("compile", out, (const char *const[]){ settings->in, NULL }))
         return 2;
-    if ((mesh_file_writer(out) || is_urdf_name(out)) && access(out, F_OK) == 0)
+    if ((mesh_file_writer(out) || is_urdf_name(out)) && file_get_status(out, &there) == 0)
         return complain("compile", "%s: it is there, and a source by its name: what is compiled ends in .dpa", out);
     if (settings->array ? output_check_name("compile", out, ".c .h", "source text in C")
                         : output_check_name("compile", out, ".dpa .obj .stl .ply .off", "a compiled mesh or arm"))

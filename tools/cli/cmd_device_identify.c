@@ -1,48 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint device identify: measure a device by small known pushes. */
-#define _XOPEN_SOURCE 700
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
-#include <termios.h>
-#include <unistd.h>
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/open_device.h"
 #include "dynpoint/identify.h"
+#include "platform/program.h"
 
 /* ---- any key stops it ---- */
-
-struct keyboard {
-    int is_terminal;
-    struct termios before;
-};
-
-/* Keys arrive as they are pressed, and reads do not wait. */
-static void keyboard_open(struct keyboard *keyboard)
-{
-    keyboard->is_terminal = isatty(STDIN_FILENO) && tcgetattr(STDIN_FILENO, &keyboard->before) == 0;
-    if (!keyboard->is_terminal)
-        return;
-    struct termios raw = keyboard->before;
-    raw.c_lflag &= ~(tcflag_t)(ICANON | ECHO);
-    raw.c_cc[VMIN] = raw.c_cc[VTIME] = 0;
-    tcsetattr(STDIN_FILENO, TCSANOW, &raw);
-}
-
-static void keyboard_close(const struct keyboard *keyboard)
-{
-    if (keyboard->is_terminal)
-        tcsetattr(STDIN_FILENO, TCSANOW, &keyboard->before);
-}
 
 static int must_stop(void *user, const dpt_identify_progress *progress)
 {
     const struct keyboard *keyboard = user;
-    char key;
     (void)progress;
-    return stop_requested() || (keyboard->is_terminal && read(STDIN_FILENO, &key, 1) == 1);
+    return stop_requested() || keyboard_is_pressed(keyboard);
 }
 
 /* ---- what is said ---- */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint replay: move a tool through a world along a recorded motion, tick by tick. */
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,11 +12,12 @@
 #include "cli/complete.h"
 #include "cli/force_check.h"
 #include "cli/scene_command.h"
-#include "clock.h"
 #include "csv.h"
 #include "dynpoint/baseline.h"
 #include "dynpoint/loop.h"
 #include "plan/replay_plan.h"
+#include "platform/clock.h"
+#include "platform/file.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
 #include "run/replay_report.h"
@@ -415,7 +415,7 @@ static int read_trace(struct csv_table *trace, const char *path)
     uint64_t line;
     const char *line_error;
     *trace = (struct csv_table){ .rows = 0 };
-    const int file = strcmp(path, "-") ? open(path, O_RDONLY) : STDIN_FILENO;
+    const int file = strcmp(path, "-") ? file_open_read(path) : STDIN_FILENO;
     if (file < 0)
         return complain("replay", "%s: cannot be opened: %s", path, strerror(errno));
     dpt_result result = csv_table_stream(trace, file, UINT64_MAX, &trace_format, &line, &line_error);

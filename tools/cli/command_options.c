@@ -3,18 +3,19 @@
 
 #include <errno.h>
 #include <inttypes.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "cli/complete.h"
+#include "platform/file.h"
+#include "platform/program.h"
 #include "scene/host_file.h"
 #include "text/near_word.h"
+#include "text/open_file.h"
 #include "text/parse_number.h"
 
 int complain(const char *command, const char *format, ...)
@@ -157,18 +158,18 @@ int word_index(const char *text, const char *const *words)
     return -1;
 }
 
-static int stat_file(const char *path, int standard, struct stat *status)
+static int get_status(const char *path, FILE *standard, struct file_status *status)
 {
-    return strcmp(path, "-") ? stat(path, status) : fstat(standard, status);
+    return strcmp(path, "-") ? file_get_status(path, status) : file_get_stream_status(standard, status);
 }
 
 int output_check(const char *command, const char *path, const char *const *inputs)
 {
-    struct stat out, in;
-    if (stat_file(path, STDOUT_FILENO, &out) != 0 || !S_ISREG(out.st_mode))
+    struct file_status out, in;
+    if (get_status(path, stdout, &out) != 0 || !out.is_regular)
         return 0;
     for (; *inputs; inputs++)
-        if (stat_file(*inputs, STDIN_FILENO, &in) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
+        if (get_status(*inputs, stdin, &in) == 0 && in.volume == out.volume && in.number == out.number)
             return complain(command, "%s: it is an input too, and would be overwritten", path);
     return 0;
 }
@@ -203,27 +204,27 @@ int output_open(struct output *output, const char *command, const char *path)
 {
     static const char suffix[] = ".part";
     *output = (struct output){ .file = stdout, .path = path };
-    signal(SIGXFSZ, SIG_IGN); /* an error like that of a full disk */
+    program_ignore_file_limit(); /* an error like that of a full disk */
     if (strcmp(path, "-") == 0)
         return 0;
-    struct stat status;
-    const int exists = lstat(path, &status) == 0;
-    if (exists && !S_ISREG(status.st_mode)) {
-        output->file = fopen(path, "wb");
+    struct file_status status;
+    const int exists = file_get_link_status(path, &status) == 0;
+    if (exists && !status.is_regular) {
+        output->file = open_file(path, "wb");
         if (output->file)
             return 0;
         return complain(command, "%s: cannot be written: %s", path, strerror(errno));
     }
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe must not leave the .part file behind */
+    program_ignore_closed_pipe(); /* a closed pipe must not leave the .part file behind */
     output->part_path = malloc(strlen(path) + sizeof suffix);
     if (!output->part_path)
         return complain(command, "memory ran out");
     strcpy(output->part_path, path);
     strcat(output->part_path, suffix);
-    output->file = fopen(output->part_path, "wb");
+    output->file = open_file(output->part_path, "wb");
     if (output->file) {
         if (exists)
-            fchmod(fileno(output->file), status.st_mode & 0777);
+            file_keep_mode(output->file, &status);
         return 0;
     }
     complain(command, "%s: cannot be written: %s", path, strerror(errno));
@@ -247,7 +248,7 @@ int output_complete(struct output *output, const char *command)
 int output_keep(struct output *output, const char *command)
 {
     int status = flush_stdout(command);
-    if (status == 0 && output->part_path && rename(output->part_path, output->path) != 0)
+    if (status == 0 && output->part_path && file_replace(output->part_path, output->path) != 0)
         status = complain(command, "%s: cannot be written: %s", output->path, strerror(errno));
     if (status)
         output_drop(output);
@@ -265,7 +266,7 @@ int output_close(struct output *output, const char *command)
 void output_drop(struct output *output)
 {
     if (output->part_path)
-        remove(output->part_path);
+        file_remove(output->part_path);
     free(output->part_path);
     output->part_path = NULL;
 }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "cli/command_options.h"
+#include "text/open_file.h"
 
 enum { BUFFER_BYTES = 1 << 20 };
 
@@ -17,7 +18,7 @@ int csv_rows_open(struct csv_rows *rows, const char *command, const char *path)
     rows->buffer = malloc(BUFFER_BYTES);
     if (!rows->buffer)
         return complain(command, "memory ran out");
-    rows->file = strcmp(path, "-") ? fopen(path, "rb") : stdin;
+    rows->file = strcmp(path, "-") ? open_file(path, "rb") : stdin;
     if (!rows->file)
         return complain(command, "%s: cannot be opened: %s", path, strerror(errno));
     return 0;

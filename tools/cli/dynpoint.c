@@ -7,6 +7,7 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/complete.h"
+#include "platform/program.h"
 #include "text/near_word.h"
 
 static const struct {
@@ -130,6 +131,7 @@ static int run(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    int status = run(argc, argv);
+    char **arguments = program_begin(&argc, argv);
+    int status = run(argc, arguments);
     return status == 2 ? 2 : flush_stdout("") ? 2 : status;
 }

@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _XOPEN_SOURCE 700
 #include "cli/open_device.h"
 
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/time.h>
-#include <time.h>
 
 #include "cli/command_options.h"
-#include "clock.h"
 #include "host/host_session.h"
+#include "platform/clock.h"
+#include "platform/program.h"
 #include "scene/host_file.h"
 
 int open_device(const char *command, const char *name, dpt_device **device)
@@ -43,9 +40,8 @@ int device_output_check(const char *command, const char *path, const char *name)
 static volatile int is_requested;
 static dpt_loop *volatile running;
 
-static void on_signal(int number)
+static void stop(void)
 {
-    (void)number;
     is_requested = 1;
     if (running)
         dpt_loop_stop(running);
@@ -63,23 +59,8 @@ const volatile int *stop_flag(void)
 
 void stop_watch(dpt_loop *loop, double seconds)
 {
-    struct sigaction action = { .sa_handler = on_signal }, before;
     running = loop;
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGPIPE, &action, NULL);
-    /* nohup ignores SIGHUP: leave it so. */
-    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-        sigaction(SIGHUP, &action, NULL);
-    if (seconds < 1e9) {
-        struct itimerval timer = { .it_value = { (time_t)seconds,
-                                                 (suseconds_t)(1e6 * (seconds - (double)(time_t)seconds)) } };
-        /* A timer of 0 would be none. */
-        if (seconds < 1e-6)
-            timer.it_value.tv_usec = 1;
-        sigaction(SIGALRM, &action, NULL);
-        setitimer(ITIMER_REAL, &timer, NULL);
-    }
+    program_watch(stop, seconds);
 }
 
 double seconds_now(void)
@@ -89,6 +70,5 @@ double seconds_now(void)
 
 void sleep_seconds(double seconds)
 {
-    struct timespec time = { (time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds)) };
-    nanosleep(&time, NULL);
+    clock_sleep((uint64_t)(1e9 * seconds));
 }

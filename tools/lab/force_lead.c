@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/vec3.h"
-#include "clock.h"
+#include "platform/clock.h"
 #include "scene/force_options.h"
 
 double uniform(uint64_t *seed, double low, double high)

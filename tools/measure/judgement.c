@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "clock.h"
+#include "platform/clock.h"
 #include "run/replay_report.h"
 
 /* One number of a tick; NAN where there is none. */

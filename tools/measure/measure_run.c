@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/return_if_error.h"
-#include "clock.h"
+#include "platform/clock.h"
 #include "shape/mesh_size.h"
 
 /* Its box is wider than the mesh's by this many diagonals: what gives way stays within. */

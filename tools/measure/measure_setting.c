@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "measure/measure_setting.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/utsname.h>
 
 #include "base/quaternion.h"
 #include "base/vec3.h"
 #include "cli/command_options.h"
 #include "dynpoint/kernel.h"
+#include "platform/machine.h"
 #include "scene/tool_spread.h"
 #include "shape/trace_hand.h"
 #include "shape/trace_unit.h"
@@ -230,32 +229,13 @@ static void take_text(char *to, size_t room, const char *from)
     to[n] = '\0';
 }
 
-/* The line of Linux, if there is one. */
-static void find_processor(char *to, size_t room)
-{
-    char line[256];
-    FILE *file = fopen("/proc/cpuinfo", "r");
-    while (file && fgets(line, sizeof line, file)) {
-        const char *colon = strchr(line, ':');
-        if (!strncmp(line, "model name", 10) && colon && colon[1]) {
-            take_text(to, room, colon + 2);
-            break;
-        }
-    }
-    if (file)
-        fclose(file);
-}
-
 void measure_machine_read(struct measure_machine *machine, uint32_t kernel)
 {
-    struct utsname name;
-    char system[sizeof name.sysname + sizeof name.release + 2] = "unknown system";
-    const int is_known = uname(&name) >= 0;
-    if (is_known)
-        snprintf(system, sizeof system, "%s %s", name.sysname, name.release);
-    take_text(machine->processor, sizeof machine->processor, is_known ? name.machine : "unknown");
-    find_processor(machine->processor, sizeof machine->processor);
-    take_text(machine->system, sizeof machine->system, system);
+    char text[256];
+    machine_processor(text, sizeof text);
+    take_text(machine->processor, sizeof machine->processor, text);
+    machine_system(text, sizeof text);
+    take_text(machine->system, sizeof machine->system, text);
     take_text(machine->compiler, sizeof machine->compiler, COMPILER);
     take_text(machine->version, sizeof machine->version, dpt_version());
     take_text(machine->kernel, sizeof machine->kernel, dpt_kernel_name(kernel));

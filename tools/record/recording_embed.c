@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "record/recording_embed.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "cli/command_options.h"
+#include "platform/file.h"
 
 const char *const embedded_names[EMBED_FILES] = { "scene", "tool" };
 
@@ -39,10 +38,10 @@ static void fault(struct embedded_file *file, const char *format, ...)
 
 void recording_embed_begin(struct recording_embed *embed, struct recording_file *recording)
 {
-    struct stat status;
+    struct file_status status;
     recording->wants_pieces = 1;
-    if (fstat(fileno(recording->file), &status) == 0 && S_ISREG(status.st_mode))
-        embed->room = (uint64_t)status.st_size;
+    if (file_get_stream_status(recording->file, &status) == 0 && status.is_regular)
+        embed->room = status.bytes;
 }
 
 /* Of the first piece: how long the file is, and a place for it. Returns 0 after a fault. */
@@ -57,7 +56,7 @@ static int begin_file(struct recording_embed *embed, struct embedded_file *file,
               byte, name, total);
         return 0;
     }
-    if (embed->keeps_bytes && (total >= SIZE_MAX || posix_memalign(&bytes, 64, (size_t)total + 1))) {
+    if (embed->keeps_bytes && (total >= SIZE_MAX || !(bytes = file_memory((size_t)total + 1)))) {
         fault(file, "byte %" PRIu64 ": memory for the %s ran out", byte, name);
         return 0;
     }

@@ -7,10 +7,11 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "cli/command_options.h"
 #include "host/host_embed.h"
+#include "platform/file.h"
+#include "text/open_file.h"
 
 /* Of a record of any kind: where its length is, and the least that has one. */
 enum { AT_BYTES = 4, RECORD_BYTES_MIN = 24 };
@@ -21,12 +22,12 @@ enum { BUFFER_BYTES = 2 * DPT_RECORD_BYTES_MAX };
 int is_recording(const char *path)
 {
     unsigned char bytes[16];
-    struct stat status;
+    struct file_status status;
     dpt_record_header header = { .size = sizeof header };
     size_t at;
-    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+    if (file_get_status(path, &status) != 0 || !status.is_regular)
         return 0;
-    FILE *file = fopen(path, "rb");
+    FILE *file = open_file(path, "rb");
     if (!file)
         return 0;
     const size_t size = fread(bytes, 1, sizeof bytes, file);
@@ -57,7 +58,7 @@ int recording_open(struct recording_file *recording, const char *command, const 
     recording->text = malloc(DPT_RECORD_TEXT_MAX + 1);
     if (!recording->buffer || !recording->text)
         return complain(command, "memory ran out");
-    recording->file = fopen(path, "rb");
+    recording->file = open_file(path, "rb");
     if (!recording->file)
         return complain(command, "%s: cannot be opened: %s", path, strerror(errno));
     fill(recording);

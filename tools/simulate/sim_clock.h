@@ -3,9 +3,7 @@
 #ifndef DPT_TOOLS_SIM_CLOCK_H
 #define DPT_TOOLS_SIM_CLOCK_H
 
-#include <time.h>
-
-#include "clock.h"
+#include "platform/clock.h"
 
 /*
  * Call `tick` at `rate`, Hz, until *stop is not 0. If it is more than 10 ms late, ticks are skipped, because a real
@@ -21,10 +19,8 @@ static inline void sim_clock_run(double rate, void (*tick)(void *user), void *us
         const uint64_t now = clock_now();
         if (now > next + 10000000u)
             next = now;
-        else if (now < next) {
-            const struct timespec wait = { (time_t)((next - now) / 1000000000u), (long)((next - now) % 1000000000u) };
-            nanosleep(&wait, NULL);
-        }
+        else if (now < next)
+            clock_sleep(next - now);
     }
 }
 

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _GNU_SOURCE
 #include "simulate/simulate_serial.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <termios.h>
 #include <unistd.h>
 
+#include "platform/file.h"
+#include "platform/serial_line.h"
 #include "simulate/sim_clock.h"
 
 void simulate_serial_info(struct wire_info *info)
@@ -41,30 +40,15 @@ int simulate_serial_start(struct simulate_serial *simulated, const struct wire_i
     wire_device_init(&simulated->device, info ? info : &default_info);
     mechanism_init(&simulated->mechanism);
     simulated->swing_period = 4.0;
-    simulated->master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (simulated->master < 0)
-        return errno;
-    const char *name = NULL;
-    struct termios settings;
-    if (!grantpt(simulated->master) && !unlockpt(simulated->master))
-        name = ptsname(simulated->master);
-    /* Make it raw, or the line would echo what the device sends before a host has set it up. */
-    if (name && strlen(name) < sizeof simulated->path && !tcgetattr(simulated->master, &settings)) {
-        strcpy(simulated->path, name);
-        cfmakeraw(&settings);
-        if (!tcsetattr(simulated->master, TCSANOW, &settings))
-            return 0;
-    }
-    const int reason = errno ? errno : ENAMETOOLONG;
-    simulate_serial_end(simulated);
-    return reason;
+    simulated->master = serial_line_simulate(simulated->path, sizeof simulated->path);
+    return simulated->master < 0 ? errno : 0;
 }
 
 static int send_pending(struct simulate_serial *simulated)
 {
     while (simulated->pending_at < simulated->pending_size) {
-        const ssize_t count = write(simulated->master, simulated->pending + simulated->pending_at,
-                                    simulated->pending_size - simulated->pending_at);
+        const long count = file_write(simulated->master, simulated->pending + simulated->pending_at,
+                                      simulated->pending_size - simulated->pending_at);
         if (count <= 0)
             return 0;
         simulated->pending_at += (size_t)count;
@@ -89,8 +73,8 @@ void simulate_serial_tick(struct simulate_serial *simulated)
     struct wire_sample sample = { .temperature = WIRE_TEMPERATURE_UNKNOWN };
     uint8_t bytes[1024], out[WIRE_OUT_MAX];
     for (int i = 0; i < 16; i++) {
-        const ssize_t count = read(simulated->master, bytes, sizeof bytes);
-        for (ssize_t k = 0; k < count; k++)
+        const long count = file_read(simulated->master, bytes, sizeof bytes);
+        for (long k = 0; k < count; k++)
             wire_device_take(&simulated->device, bytes[k]);
         /* Read on after a short read: the system may return more on the next call. */
         if (count <= 0)

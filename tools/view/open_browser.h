@@ -1,21 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Opens a browser at a secret address. Any user may read a process's command line; so the browser is given the name of a
- * file that only this user may read (mode 0600, in a folder of its own with mode 0700), and the file leads on. xdg-open is
- * started for it, by no shell.
+ * file that only this user may read (mode 0600, in a folder of its own with mode 0700), and the file leads on. The desktop's
+ * own program is started for it, by no shell.
  */
 #ifndef DPT_TOOLS_OPEN_BROWSER_H
 #define DPT_TOOLS_OPEN_BROWSER_H
 
-#include <sys/types.h>
-
 struct opened_browser {
     char folder[240], file[256]; /* "": none */
-    pid_t opener;                /* 0: none */
+    long opener;                 /* 0: none */
 };
 
 /*
- * `url` has letters, digits and ":/.#[]-_" only. The folder is made in XDG_RUNTIME_DIR, or else in TMPDIR or /tmp.
+ * `url` has letters, digits and ":/.#[]-_" only. The folder is made in XDG_RUNTIME_DIR, or else among temporary files.
  * Returns NULL, or what went wrong; then nothing is left over.
  */
 const char *view_open_browser(const char *url, struct opened_browser *browser);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "cli/command_options.h"
-#include "clock.h"
+#include "platform/clock.h"
 #include "view/view_scene.h"
 #include "view/view_serve.h"
 #include "view/view_stream.h"

@@ -4,10 +4,10 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "cli/command_options.h"
 #include "dynpoint/snapshot.h"
+#include "platform/file.h"
 #include "record/recording_file.h"
 #include "record/replay_recording.h"
 #include "scene/scene_list.h"
@@ -143,8 +143,8 @@ static int film(struct filming *filming, struct recording_file *recording, char 
 /* A file, and none that could keep its reader waiting. */
 static int is_there(const char *path)
 {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+    struct file_status status;
+    return file_get_status(path, &status) == 0 && status.is_regular;
 }
 
 /* As replay does, the scene's file is taken where it was; its bytes are compared with the recording's. */

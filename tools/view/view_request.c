@@ -1,18 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#define _POSIX_C_SOURCE 200809L
 #include "view/view_request.h"
 
-#include <arpa/inet.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include "platform/file.h"
+#include "platform/machine.h"
+#include "platform/sockets.h"
 #include "text/parse_number.h"
 
 static int is_word(const char *text, size_t size, const char *word)
@@ -53,11 +50,7 @@ enum view_request_kind view_request_parse(const char *text, size_t size, struct 
 int view_token_make(struct view_token *token)
 {
     unsigned char random[VIEW_TOKEN_DIGITS / 2];
-    ssize_t got;
-    do
-        got = getrandom(random, sizeof random, 0);
-    while (got < 0 && errno == EINTR);
-    if (got != (ssize_t)sizeof random)
+    if (machine_random(random, sizeof random) != 0)
         return -1;
     for (size_t i = 0; i < VIEW_TOKEN_DIGITS; i++)
         token->digits[i] = "0123456789abcdef"[random[i / 2] >> (i % 2 ? 0 : 4) & 15];
@@ -78,39 +71,28 @@ int view_token_is(const struct view_token *token, const void *bytes, size_t size
 
 enum { PATH_BYTES = 300 };
 
-/* Of this user, and closed to others. */
-static int is_own(const struct stat *status, mode_t kind)
-{
-    return (status->st_mode & S_IFMT) == kind && status->st_uid == geteuid() && (status->st_mode & 077) == 0;
-}
-
-static int is_token(const struct view_token *token, ssize_t size)
+static int is_token(const struct view_token *token, long size)
 {
     return size == VIEW_TOKEN_DIGITS && strspn(token->digits, "0123456789abcdef") == VIEW_TOKEN_DIGITS;
 }
 
 static int read_or_make(int file, struct view_token *token)
 {
-    struct stat status;
-    if (fstat(file, &status) != 0 || !is_own(&status, S_IFREG))
-        return 0;
     memset(token, 0, sizeof *token);
-    if (is_token(token, read(file, token->digits, VIEW_TOKEN_DIGITS)))
+    if (is_token(token, file_read(file, token->digits, VIEW_TOKEN_DIGITS)))
         return 1;
-    return view_token_make(token) == 0 && ftruncate(file, 0) == 0 &&
-           pwrite(file, token->digits, VIEW_TOKEN_DIGITS, 0) == VIEW_TOKEN_DIGITS;
+    return view_token_make(token) == 0 && file_cut(file, 0) == 0 &&
+           file_write(file, token->digits, VIEW_TOKEN_DIGITS) == VIEW_TOKEN_DIGITS;
 }
 
 int view_token_keep(uint16_t port, struct view_token *token)
 {
     const char *folder = getenv("XDG_RUNTIME_DIR");
-    struct stat status;
     char path[PATH_BYTES];
-    if (!folder || folder[0] != '/' || strlen(folder) > PATH_BYTES - 40 || stat(folder, &status) != 0 ||
-        !is_own(&status, S_IFDIR))
+    if (!folder || folder[0] != '/' || strlen(folder) > PATH_BYTES - 40)
         return 0;
     snprintf(path, sizeof path, "%s/dynpoint-view-%u", folder, (unsigned)port);
-    const int file = open(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0600);
+    const int file = file_open_kept(folder, path);
     const int is_kept = file >= 0 && read_or_make(file, token);
     if (file >= 0)
         close(file);

@@ -6,17 +6,14 @@
 
 #include "built_with.h"
 #include "cli/command_options.h"
+#include "platform/incbin.h"
 #include "view/open_browser.h"
 #include "view/view_request.h"
 
 #ifdef DPT_HAS_VIEW_PAGE
 /* The assembler reads the files, as long as they are: a compiler would take minutes for an array of these numbers. */
-__asm__(".pushsection .rodata\n"
-        ".local view_page_html, view_page_html_end, view_page_csp\n"
-        "view_page_html:\n .incbin \"build/view/page.html\"\n"
-        "view_page_html_end:\n .byte 0\n"
-        "view_page_csp:\n .incbin \"build/view/page.csp.line\"\n .byte 0\n"
-        ".popsection\n");
+__asm__(EMBED_SECTION EMBED_NAME("view_page_html") ":\n .incbin \"build/view/page.html\"\n" EMBED_NAME(
+    "view_page_html_end") ":\n .byte 0\n" EMBED_NAME("view_page_csp") ":\n .incbin \"build/view/page.csp.line\"\n .byte 0\n .text\n");
 extern const char view_page_html[], view_page_html_end[], view_page_csp[];
 
 struct view_page view_page_bytes(void)

@@ -10,7 +10,7 @@ PY_INCLUDE = $(shell $(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("i
 PY_CHOSEN := $(patsubst $(B)/%,$(PY)/%,$(CHOOSERS))
 PY_OBJECTS := $(filter-out $(CHOOSERS),$(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(HOST)) \
   $(filter $(PY)/drivers/% $(PY)/src/%,$(PY_CHOSEN)) $(PY_SOURCES:%.c=$(B)/%.o)
-PY_PROGRAM := $(filter-out $(CHOOSERS) $(VIEW_SERVER),$(TOOLS) $(SIMULATE) $(HOST) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)) $(PY_CHOSEN)
+PY_PROGRAM := $(filter-out $(CHOOSERS) $(VIEW_SERVER),$(TOOLS) $(PLATFORM_PROGRAM) $(SIMULATE) $(HOST) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)) $(PY_CHOSEN)
 PY_LINK = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -Wl,--gc-sections
 
 .PHONY: wheel wheel-release sdist python-parts

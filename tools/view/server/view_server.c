@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "view/server/view_server.h"
 
-#include <errno.h>
-#include <netinet/in.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
+#include "platform/machine.h"
+#include "platform/program.h"
+#include "platform/sockets.h"
+#include "platform/thread.h"
 #include "view/server/server_state.h"
 
 /* How often another free port is tried, where ::1 does not have the one that 127.0.0.1 has. */
@@ -67,7 +66,7 @@ static int connected(struct view_server *server, struct lws *wsi)
     const int room = SOCKET_ROOM;
     server->connections++;
     lws_set_opaque_user_data(wsi, server);
-    setsockopt(lws_get_socket_fd(wsi), SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
+    setsockopt(lws_get_socket_fd(wsi), SOL_SOCKET, SO_SNDBUF, (const void *)&room, sizeof room);
     lws_set_timer_usecs(wsi, HEADERS_SECONDS * LWS_USEC_PER_SEC);
     return 0;
 }
@@ -145,18 +144,6 @@ static void set_headers(struct view_server *server)
         };
 }
 
-/* Whether this machine has the address ::1 at all. */
-static int has_local_6(void)
-{
-    const struct sockaddr_in6 address = { .sin6_family = AF_INET6, .sin6_addr = IN6ADDR_LOOPBACK_INIT };
-    const int probe = socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (probe < 0)
-        return 0;
-    const int result = bind(probe, (const struct sockaddr *)&address, sizeof address);
-    close(probe);
-    return result == 0;
-}
-
 /* Listens on one address. Returns the port, or 0. */
 static uint16_t listen_on(struct view_server *server, struct lws_context_creation_info *info, const char *address,
                           const char *name)
@@ -182,14 +169,24 @@ static void drop_context(struct view_server *server)
         lws_context_destroy(context);
 }
 
-/* libwebsockets lets the process ignore SIGPIPE; the program has its own way with that. */
+/* What is to be made, and what came of it. */
+struct creation {
+    struct lws_context_creation_info *info;
+    struct lws_context *context;
+};
+
+static void create(void *user)
+{
+    struct creation *creation = user;
+    creation->context = lws_create_context(creation->info);
+}
+
+/* libwebsockets lets the process ignore closed pipes; the program has its own way with them. */
 static struct lws_context *create_context(struct lws_context_creation_info *info)
 {
-    struct sigaction pipe;
-    sigaction(SIGPIPE, NULL, &pipe);
-    struct lws_context *context = lws_create_context(info);
-    sigaction(SIGPIPE, &pipe, NULL);
-    return context;
+    struct creation creation = { .info = info };
+    program_keep_closed_pipe(create, &creation);
+    return creation.context;
 }
 
 static const char *listen_once(struct view_server *server)
@@ -221,13 +218,12 @@ static const char *listen_once(struct view_server *server)
     if (!server->host.port)
         return no_port;
     info.port = server->host.port;
-    return server->def.address || !has_local_6() || listen_on(server, &info, "::1", "second") ? NULL : no_port;
+    return server->def.address || !sockets_have_local_6() || listen_on(server, &info, "::1", "second") ? NULL : no_port;
 }
 
 static const char *start(struct view_server *server)
 {
     const char *fault = NULL;
-    sigset_t all, before;
     if (server->def.token)
         server->token = *server->def.token;
     else if (view_token_make(&server->token))
@@ -240,11 +236,7 @@ static const char *start(struct view_server *server)
     }
     if (fault)
         return fault;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    const int result = pthread_create(&server->thread, NULL, serve, server);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return result == 0 ? NULL : "no thread for the server";
+    return thread_start(&server->thread, serve, server) == 0 ? NULL : "no thread for the server";
 }
 
 static void free_server(struct view_server *server)
@@ -310,7 +302,8 @@ void view_server_warning(const struct view_server *server, char text[VIEW_WARNIN
     text[0] = '\0';
     if (!address || view_address_is_local(address))
         return;
-    if (gethostname(machine, sizeof machine - 1) || !machine[0])
+    machine_host(machine, sizeof machine);
+    if (!machine[0])
         snprintf(machine, sizeof machine, "THIS-MACHINE");
     snprintf(text, VIEW_WARNING_BYTES,
              "warning: other machines reach %s port %u, and nothing is encrypted: who listens on the "

@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A raw serial line that never blocks: any port with a termios, also a pseudo-terminal. */
-#ifndef DPT_DRIVERS_SERIAL_LINE_H
-#define DPT_DRIVERS_SERIAL_LINE_H
+/*
+ * A raw serial line that never blocks: of Linux and macOS any port with a termios, also a pseudo-terminal; of Windows a
+ * COM port. A line is a number: a descriptor, or on Windows one of this file's own.
+ */
+#ifndef DPT_PLATFORM_SERIAL_LINE_H
+#define DPT_PLATFORM_SERIAL_LINE_H
+
+#include <stddef.h>
 
 #include "dynpoint/device.h"
 
@@ -27,5 +32,11 @@ void serial_line_close(int fd);
 
 /* Call `found` for each port, with a line about it. */
 void serial_line_find(void (*found)(void *user, const char *path, const char *about), void *user);
+
+/*
+ * The other end of a line that a host can open by the name that goes to `path`: a descriptor for read, write and close,
+ * which do not wait. -1, and errno, if the system has none.
+ */
+int serial_line_simulate(char *path, size_t room);
 
 #endif

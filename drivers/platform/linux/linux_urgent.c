@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #define _GNU_SOURCE
-#include "urgent.h"
+#include "platform/urgent.h"
 
 #include <fcntl.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
-#ifdef __linux__
-#include <sys/prctl.h>
-#endif
 
 #include "dynpoint/loop.h"
 
@@ -28,25 +27,17 @@ static struct {
  */
 static int may_lock_all(void)
 {
-#ifdef RLIMIT_MEMLOCK
     struct rlimit limit;
     if (getrlimit(RLIMIT_MEMLOCK, &limit) != 0)
         return 0;
     if (limit.rlim_cur == RLIM_INFINITY)
         return 1;
-#ifdef MAP_LOCKED
     const size_t bytes = (size_t)limit.rlim_cur + 1;
     void *more = mmap(NULL, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_LOCKED, -1, 0);
     if (more == MAP_FAILED)
         return 0;
     munmap(more, bytes);
     return 1;
-#else
-    return 0;
-#endif
-#else
-    return 1;
-#endif
 }
 
 /* Locked memory of this process; -1 if the system does not report it. */
@@ -91,30 +82,19 @@ static void unlock_memory(void)
 /* How late the system may let this thread's timers be, ns. It has no effect in a thread with real-time priority. */
 static int timer_slack(void)
 {
-#ifdef __linux__
     return prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0);
-#else
-    return 0;
-#endif
 }
 
 static void set_timer_slack(int slack)
 {
-#ifdef __linux__
     prctl(PR_SET_TIMERSLACK, slack, 0, 0, 0);
-#else
-    (void)slack;
-#endif
 }
 
-#ifdef __linux__
 typedef char processors_fit[sizeof(cpu_set_t) <= sizeof((struct urgent *)0)->processors ? 1 : -1];
-#endif
 
 /* Run on one processor alone. Returns 0 if that is not permitted, or there is none of this number. */
 static int pin(struct urgent *saved, uint32_t cpu)
 {
-#ifdef __linux__
     cpu_set_t all, one;
     if (cpu > CPU_SETSIZE || pthread_getaffinity_np(pthread_self(), sizeof all, &all) != 0)
         return 0;
@@ -123,36 +103,25 @@ static int pin(struct urgent *saved, uint32_t cpu)
     CPU_SET(cpu - 1, &one);
     saved->is_pinned = pthread_setaffinity_np(pthread_self(), sizeof one, &one) == 0;
     return saved->is_pinned;
-#else
-    (void)saved, (void)cpu;
-    return 0;
-#endif
 }
 
 /* Returns 0 if the thread could not be given its processors back. */
 static int unpin(const struct urgent *saved)
 {
-#ifdef __linux__
     cpu_set_t all;
     memcpy(&all, saved->processors, sizeof all);
     return pthread_setaffinity_np(pthread_self(), sizeof all, &all) == 0;
-#else
-    (void)saved;
-    return 1;
-#endif
 }
 
 /* The longest sleep that processors may need to wake from, us: 0, for as long as the file is open. */
 static int keep_awake(void)
 {
-#ifdef __linux__
     const int32_t longest = 0;
     const int file = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
     if (file >= 0 && write(file, &longest, sizeof longest) == sizeof longest)
         return file;
     if (file >= 0)
         close(file);
-#endif
     return -1;
 }
 
@@ -175,19 +144,23 @@ uint32_t urgent_begin(struct urgent *saved, uint32_t priority, uint32_t lock, ui
         set_timer_slack(1);
     if (!priority)
         return notes;
+    struct sched_param before;
     const struct sched_param param = { .sched_priority = (int)priority };
-    if (pthread_getschedparam(pthread_self(), &saved->policy, &saved->param) == 0 &&
-        pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0)
+    if (pthread_getschedparam(pthread_self(), &saved->policy, &before) == 0 &&
+        pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0) {
         saved->is_scheduled = 1;
-    else
+        saved->priority = before.sched_priority;
+    } else {
         notes |= DPT_LOOP_NOTE_NO_PRIORITY;
+    }
     return notes;
 }
 
 uint32_t urgent_end(const struct urgent *saved)
 {
     uint32_t notes = 0;
-    if (saved->is_scheduled && pthread_setschedparam(pthread_self(), saved->policy, &saved->param) != 0)
+    const struct sched_param before = { .sched_priority = saved->priority };
+    if (saved->is_scheduled && pthread_setschedparam(pthread_self(), saved->policy, &before) != 0)
         notes |= DPT_LOOP_NOTE_NO_RETURN;
     /* After the priority, because restoring that may change the slack. */
     if (saved->slack)

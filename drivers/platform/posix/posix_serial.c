@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#ifdef __linux__
+#ifdef __APPLE__
+#define _DARWIN_C_SOURCE
+#else
 #define _GNU_SOURCE
 #endif
-#include "serial/serial_line.h"
+#include "platform/serial_line.h"
 
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
-#ifdef __linux__
-#include <linux/serial.h>
-#endif
 
-#include "clock.h"
+#include "platform/clock.h"
+#include "platform/serial_latency.h"
 #include "settings.h"
 
 #define SPEED(baud) { baud, B##baud },
@@ -105,15 +106,7 @@ static int set_optional(int fd)
     int lines = TIOCM_DTR | TIOCM_RTS;
     if (ioctl(fd, TIOCMBIS, &lines) && !is_optional_failure(errno))
         return -1;
-#ifdef __linux__
-    struct serial_struct serial;
-    if (ioctl(fd, TIOCGSERIAL, &serial))
-        return is_optional_failure(errno) ? 0 : -1;
-    serial.flags = (int)((unsigned)serial.flags | ASYNC_LOW_LATENCY);
-    if (ioctl(fd, TIOCSSERIAL, &serial))
-        return is_optional_failure(errno) ? 0 : -1;
-#endif
-    return 0;
+    return serial_lower_latency(fd) && !is_optional_failure(errno) ? -1 : 0;
 }
 
 static void make_raw(struct termios *settings)
@@ -246,4 +239,27 @@ void serial_line_find(void (*found)(void *user, const char *path, const char *ab
                 found(user, path, ports[i].about);
             }
     closedir(folder);
+}
+
+int serial_line_simulate(char *path, size_t room)
+{
+    const int line = posix_openpt(O_RDWR | O_NOCTTY);
+    if (line < 0)
+        return -1;
+    const char *name = NULL;
+    struct termios settings;
+    if (fcntl(line, F_SETFD, FD_CLOEXEC) == 0 && fcntl(line, F_SETFL, O_NONBLOCK) == 0 && !grantpt(line) &&
+        !unlockpt(line))
+        name = ptsname(line);
+    /* Make it raw, or the line would echo what the device sends before a host has set it up. */
+    if (name && strlen(name) < room && !tcgetattr(line, &settings)) {
+        strcpy(path, name);
+        cfmakeraw(&settings);
+        if (!tcsetattr(line, TCSANOW, &settings))
+            return line;
+    }
+    const int reason = errno ? errno : ENAMETOOLONG;
+    close(line);
+    errno = reason;
+    return -1;
 }

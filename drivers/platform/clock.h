@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The system's clocks, in ns. */
-#ifndef DPT_DRIVERS_CLOCK_H
-#define DPT_DRIVERS_CLOCK_H
+/* The system's clocks, in ns, and waits. */
+#ifndef DPT_PLATFORM_CLOCK_H
+#define DPT_PLATFORM_CLOCK_H
 
 #include <stdint.h>
 
@@ -25,5 +25,21 @@ uint64_t clock_thread(void);
 
 /* The time of day, which may be set at any time; 0 if there is none. */
 uint64_t clock_wall(void);
+
+/* Wait for so many ns. A signal may end it early. */
+void clock_sleep(uint64_t ns);
+
+/* Waits of one thread until times of the monotonic clock. */
+struct clock_timer {
+    void *handle; /* NULL where the system needs none */
+};
+
+/* Returns 0 if the system gives none; then clock_timer_wait waits less exactly. Close it all the same. */
+int clock_timer_open(struct clock_timer *timer);
+
+/* Wait until `deadline`. Returns 0; 1 if a signal ended it early; -1 if the system cannot wait. */
+int clock_timer_wait(const struct clock_timer *timer, uint64_t deadline);
+
+void clock_timer_close(struct clock_timer *timer);
 
 #endif

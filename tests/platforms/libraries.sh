@@ -1,0 +1,32 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# jansson and libwebsockets for Windows: sh tests/platforms/libraries.sh FOLDER. Debian has no packages of these for
+# mingw-w64, so its source packages are compiled. Once: a folder that has both holds the file "complete". Status 1, and a
+# line that says why, where that cannot be done.
+set -u
+case $1 in /*) folder=$1 ;; *) folder=$PWD/$1 ;; esac
+[ ! -f "$folder/complete" ] || exit 0
+rm -rf "$folder"
+mkdir -p "$folder/lists/partial" "$folder/source" "$folder/lib/pkgconfig"
+{
+    # Where this machine's packages come from, their sources come from too.
+    for file in /etc/apt/sources.list.d/debian.sources; do
+        sed 's/^Types:.*/Types: deb-src/' "$file"
+    done >"$folder/debian.sources"
+    apt="-o Dir::Etc::sourcelist=$folder/debian.sources -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists=$folder/lists"
+    apt-get $apt update && cd "$folder/source" && apt-get $apt source --download-only jansson libwebsockets &&
+        for tar in jansson_*.orig.tar.* libwebsockets_*.orig.tar.*; do tar xf "$tar" || exit 1; done &&
+        common="-DCMAKE_SYSTEM_NAME=Windows -DCMAKE_C_COMPILER=x86_64-w64-mingw32-gcc -DCMAKE_RC_COMPILER=x86_64-w64-mingw32-windres
+            -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=$folder" &&
+        cmake -S jansson-*/ -B jansson $common -DJANSSON_BUILD_DOCS=OFF -DJANSSON_WITHOUT_TESTS=ON -DJANSSON_EXAMPLES=OFF &&
+        make -C jansson install &&
+        cmake -S libwebsockets-*/ -B libwebsockets $common -DLWS_WITH_SSL=OFF -DLWS_WITHOUT_TESTAPPS=ON -DLWS_WITH_SHARED=OFF \
+            -DLWS_IPV6=ON -DLWS_WITHOUT_EXTENSIONS=ON -DLWS_WITH_MINIMAL_EXAMPLES=OFF -DLWS_WITH_HTTP2=OFF -DDISABLE_WERROR=ON &&
+        make -C libwebsockets install &&
+        printf '%s\n' 'Name: libwebsockets' 'Description: web sockets' 'Version: 4.1.6' "Cflags: -I$folder/include" \
+            "Libs: -L$folder/lib -lwebsockets_static -lws2_32 -liphlpapi -lpsapi" >"$folder/lib/pkgconfig/libwebsockets.pc" &&
+        touch "$folder/complete"
+} >"$folder.log" 2>&1
+[ -f "$folder/complete" ] && exit 0
+echo "no jansson and libwebsockets for Windows: no mingw-w64 and cmake, or no source packages of Debian; see $folder.log"
+exit 1
