@@ -135,7 +135,8 @@ void dpti_loaded_step_take(struct loaded_step *step);
 void dpti_loaded_step_keep(struct loaded_step *step);
 void dpti_loaded_step_undo(struct loaded_step *step);
 
-/* A step with the loads on vertices alone. Returns 0 if it would leave the finite range. */
-int dpti_loaded_step_make(struct loaded_step *step, struct dpt_springs *springs, double dt, uint32_t load_count);
+/* A step with loads on those vertices alone; NULL: on nodes. They are valid. Returns 0 if it would leave the finite range. */
+int dpti_loaded_step_make(struct loaded_step *step, struct dpt_springs *springs, double dt, const dpt_load *loads,
+                          uint32_t count, const struct spring_vertices *vertices);
 
 #endif

@@ -350,7 +350,9 @@ static dpt_result step_alone(struct dpt_world *world, struct body *body, struct 
     else
         take_displaced(world, body, springs, dt);
     const dpt_result result =
-        dpti_loaded_step_make(&step, springs, dt, count) ? take_springs(world, body, &step, &moved) : DPT_E_FINITE;
+        dpti_loaded_step_make(&step, springs, dt, springs->vertices.loads, count, &springs->vertices)
+            ? take_springs(world, body, &step, &moved)
+            : DPT_E_FINITE;
     if (result != DPT_OK) {
         dpti_loaded_step_undo(&step);
         return result;

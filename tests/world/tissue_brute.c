@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "world/tissue_brute.h"
 
+#include "deform/spring_state.h"
 #include "world/tissue_patch.h"
 #include "world/tissue_triangle.h"
 
@@ -334,6 +335,35 @@ static void keep(const struct tissue_rig *tissue, void **kept, int is_back)
     }
 }
 
+int brute_is_touched(const struct tissue_rig *tissue)
+{
+    for (uint32_t t = 0; t < tissue->tool_count; t++) {
+        dpt_force_info info = { .size = sizeof info };
+        dpt_tool_get_force_info(tissue->rig.world, tissue->tool[t].id, &info);
+        if (info.reason == DPT_FORCE_ACTS)
+            return 1;
+    }
+    return 0;
+}
+
+/* s: the viscosity of a body in a substep: SYMPLECTIC has three quarters of it where tools touch, no more than is stable. */
+static double viscosity_of(const struct dpt_springs *springs, double h, int touched)
+{
+    const double wide = h / 0.9, stable = 0.5 * (4.0 / (springs->square * wide) - wide);
+    if (springs->def.integrator != DPT_INTEGRATOR_SYMPLECTIC || !touched)
+        return springs->net.viscosity;
+    return fmax(springs->net.viscosity, fmin(0.75 * h, stable));
+}
+
+/* A body that no tool is near is stepped by itself. */
+static int is_near(const struct brute *brute, uint32_t body)
+{
+    for (uint32_t i = 0; i < brute->count; i++)
+        if (brute->pair[i].body == body)
+            return 1;
+    return 0;
+}
+
 static void step_by_hand(const struct brute *brute, double h, int is_loaded)
 {
     const struct tissue_rig *tissue = brute->tissue;
@@ -349,8 +379,13 @@ static void step_by_hand(const struct brute *brute, double h, int is_loaded)
                 count++;
             }
         }
-        if (tissue->body[b].springs)
-            CHECK(dpt_springs_step(tissue->body[b].springs, h, loads, count, NULL) == DPT_OK, "not stepped");
+        struct dpt_springs *springs = tissue->body[b].springs;
+        if (springs) {
+            const double own = springs->net.viscosity;
+            springs->net.viscosity = viscosity_of(springs, h, brute_is_touched(tissue) && is_near(brute, b));
+            CHECK(dpt_springs_step(springs, h, loads, count, NULL) == DPT_OK, "not stepped");
+            springs->net.viscosity = own;
+        }
     }
 }
 

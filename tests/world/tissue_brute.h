@@ -56,6 +56,9 @@ void brute_close(struct brute *brute);
 /* After the world's step: what the springs' step should answer. Nodes end in brute->mine; the springs are as before. */
 void brute_solve_tick(struct brute *brute, uint32_t substeps);
 
+/* Whether a tool is held back from its device as the tick begins: springs without viscosity then have some. */
+int brute_is_touched(const struct tissue_rig *tissue);
+
 /* All pairs of the tools at `proxy`, as near as BRUTE_NEAR. */
 void brute_find_pairs(struct brute *brute);
 
