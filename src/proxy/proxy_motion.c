@@ -301,6 +301,15 @@ static dpt_pose carried_pose(const struct proxy_tick *tick, const struct body *b
     return pose;
 }
 
+/* It has gone there past bodies that it met nowhere: what was nearest before is not known to be so now. */
+static void arrive(struct proxy_tick *tick, const struct proxy_pose *to)
+{
+    tick->at = *to;
+    tick->gap = min_of(tick->gap, tick->clearance);
+    tick->is_before = 0;
+    tick->is_lost = 1;
+}
+
 int dpti_proxy_carry_alone(struct proxy_tick *tick, const struct body *body)
 {
     const struct dpt_world *world = tick->world;
@@ -317,10 +326,7 @@ int dpti_proxy_carry_alone(struct proxy_tick *tick, const struct body *body)
             if (&world->bodies[slot] != body && is_in_reach(tick, slot, &box, reach))
                 return 0;
     }
-    tick->at = to;
-    tick->gap = min_of(tick->gap, tick->clearance);
-    tick->is_before = 0;
-    tick->is_lost = 1;
+    arrive(tick, &to);
     return 1;
 }
 
@@ -337,10 +343,7 @@ int dpti_proxy_carry_past(struct proxy_tick *tick, const struct body *body)
     }
     if (sweep_tool(tick, &to, handle_index(body->id)).status != SWEEP_FREE)
         return 0;
-    tick->at = to;
-    tick->gap = min_of(tick->gap, tick->clearance);
-    tick->is_before = 0;
-    tick->is_lost = 1;
+    arrive(tick, &to);
     return 1;
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Bodies, rigid and deformable, and the springs that move the latter. */
+#include "bindings/python/python_member.h"
 #include "bindings/python/python_mesh.h"
 #include "bindings/python/python_springs.h"
-#include "bindings/python/python_world.h"
 
 #include "dynpoint/body.h"
 
@@ -87,14 +87,6 @@ static PyObject *body_of(PyObject *type, PyObject *args)
     return holder ? dpy_member_make((PyTypeObject *)type, holder, id, mesh == Py_None ? NULL : mesh) : NULL;
 }
 
-/* A call on the body's world; `call` uses `world` and `self->id`. */
-#define ON_WORLD(what, call)                                                                                           \
-    dpt_world *world = dpy_world_enter(self->world, what);                                                             \
-    if (!world)                                                                                                        \
-        return NULL;                                                                                                   \
-    dpt_result result = (call);                                                                                        \
-    dpy_world_leave(self->world)
-
 static PyObject *body_remove(PyObject *object, PyObject *unused)
 {
     dpy_member *self = (dpy_member *)object;
@@ -107,28 +99,6 @@ static PyObject *body_remove(PyObject *object, PyObject *unused)
         PyErr_Clear();
     Py_XDECREF(key);
     Py_RETURN_NONE;
-}
-
-static PyObject *body_set_pose(PyObject *object, PyObject *to)
-{
-    dpy_member *self = (dpy_member *)object;
-    dpt_pose room;
-    const dpt_pose *pose;
-    if (dpy_get_pose(to, &room, &pose) != 0)
-        return NULL;
-    ON_WORLD("Body.set_pose", dpt_body_set_pose(world, self->id, pose));
-    return dpy_result(result, "Body.set_pose");
-}
-
-static PyObject *body_teleport(PyObject *object, PyObject *to)
-{
-    dpy_member *self = (dpy_member *)object;
-    dpt_pose room;
-    const dpt_pose *pose;
-    if (dpy_get_pose(to, &room, &pose) != 0)
-        return NULL;
-    ON_WORLD("Body.teleport", dpt_body_teleport(world, self->id, pose));
-    return dpy_result(result, "Body.teleport");
 }
 
 static PyObject *body_get_pose(PyObject *object, PyObject *unused)
@@ -149,56 +119,6 @@ static PyObject *body_get_wrench(PyObject *object, PyObject *unused)
     return result == DPT_OK ? dpy_make_numbers(wrench.force, 6) : dpy_fail(result, "Body.wrench", NULL);
 }
 
-static PyObject *body_get_setting(PyObject *object, PyObject *name)
-{
-    dpy_member *self = (dpy_member *)object;
-    dpt_body_settings settings = { .size = sizeof settings };
-    PyObject *utf8 = PyUnicode_AsUTF8String(name);
-    const dpy_field *field = utf8 ? dpy_find_field("dpt_body_settings", PyBytes_AsString(utf8)) : NULL;
-    Py_XDECREF(utf8);
-    if (!field)
-        return NULL;
-    ON_WORLD("Body", dpt_body_get_settings(world, self->id, &settings));
-    return result == DPT_OK ? dpy_read_field(&settings, field) : dpy_fail(result, "Body", NULL);
-}
-
-/* set_settings(**settings): all of them, or none after an error. */
-static PyObject *body_set_settings(PyObject *object, PyObject *args, PyObject *keywords)
-{
-    dpy_member *self = (dpy_member *)object;
-    dpt_body_settings settings = { .size = sizeof settings };
-    (void)args;
-    {
-        ON_WORLD("Body", dpt_body_get_settings(world, self->id, &settings));
-        if (result != DPT_OK)
-            return dpy_fail(result, "Body", NULL);
-    }
-    if (dpy_fill(&settings, "dpt_body_settings", keywords) != 0)
-        return NULL;
-    ON_WORLD("Body", dpt_body_set_settings(world, self->id, &settings));
-    return dpy_result(result, "Body");
-}
-
-static PyObject *body_is_valid(PyObject *object, void *unused)
-{
-    dpy_member *self = (dpy_member *)object;
-    (void)unused;
-    if (!self->world->world)
-        Py_RETURN_FALSE;
-    dpt_world *world = dpy_world_enter(self->world, "Body.valid");
-    if (!world)
-        return NULL;
-    int is_valid = dpt_body_is_valid(world, self->id);
-    dpy_world_leave(self->world);
-    return PyBool_FromLong(is_valid);
-}
-
-static PyObject *body_get_id(PyObject *self, void *unused)
-{
-    (void)unused;
-    return PyLong_FromUnsignedLong(((dpy_member *)self)->id);
-}
-
 static PyObject *get_part(PyObject *part)
 {
     return Py_NewRef(part ? part : Py_None);
@@ -208,12 +128,6 @@ static PyObject *body_get_mesh(PyObject *self, void *unused)
 {
     (void)unused;
     return get_part(((dpy_member *)self)->part);
-}
-
-static PyObject *body_get_world(PyObject *self, void *unused)
-{
-    (void)unused;
-    return Py_NewRef((PyObject *)((dpy_member *)self)->world);
 }
 
 /* set_vertices(positions, first, bound): float32 of shape (n, 3) */
@@ -305,6 +219,46 @@ static PyObject *body_step_springs(PyObject *object, PyObject *args)
     return world ? dpy_result(result, "DeformableBody.step_springs") : NULL;
 }
 
+static dpt_result read_settings(const dpt_world *world, uint32_t id, void *settings)
+{
+    return dpt_body_get_settings(world, id, settings);
+}
+
+static dpt_result write_settings(dpt_world *world, uint32_t id, const void *settings)
+{
+    return dpt_body_set_settings(world, id, settings);
+}
+
+static const dpy_member_calls calls = { "Body",        "dpt_body_settings", sizeof(dpt_body_settings),
+                                        read_settings, write_settings,      dpt_body_is_valid };
+
+static PyObject *body_get_setting(PyObject *self, PyObject *name)
+{
+    return dpy_member_get_setting((dpy_member *)self, name, &calls);
+}
+
+static PyObject *body_set_settings(PyObject *self, PyObject *args, PyObject *keywords)
+{
+    (void)args;
+    return dpy_member_set_settings((dpy_member *)self, keywords, &calls);
+}
+
+static PyObject *body_is_valid(PyObject *self, void *unused)
+{
+    (void)unused;
+    return dpy_member_is_valid((dpy_member *)self, &calls);
+}
+
+static PyObject *body_set_pose(PyObject *self, PyObject *to)
+{
+    return dpy_member_place((dpy_member *)self, to, "Body.set_pose", dpt_body_set_pose);
+}
+
+static PyObject *body_teleport(PyObject *self, PyObject *to)
+{
+    return dpy_member_place((dpy_member *)self, to, "Body.teleport", dpt_body_teleport);
+}
+
 static PyMethodDef methods[] = { { "of", body_of, METH_VARARGS | METH_CLASS, NULL },
                                  { "remove", body_remove, METH_NOARGS, NULL },
                                  { "set_pose", body_set_pose, METH_O, NULL },
@@ -320,9 +274,9 @@ static PyMethodDef methods[] = { { "of", body_of, METH_VARARGS | METH_CLASS, NUL
                                  { "step_springs", body_step_springs, METH_VARARGS, NULL },
                                  { NULL, NULL, 0, NULL } };
 static PyGetSetDef properties[] = { { "valid", body_is_valid, NULL, NULL, NULL },
-                                    { "id", body_get_id, NULL, NULL, NULL },
+                                    { "id", dpy_member_get_id, NULL, NULL, NULL },
                                     { "mesh", body_get_mesh, NULL, NULL, NULL },
-                                    { "world", body_get_world, NULL, NULL, NULL },
+                                    { "world", dpy_member_get_world, NULL, NULL, NULL },
                                     { NULL, NULL, NULL, NULL, NULL } };
 static PyType_Slot slots[] = { { Py_tp_new, body_new },
                                { Py_tp_dealloc, dpy_member_dealloc },

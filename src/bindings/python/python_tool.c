@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "bindings/python/python_world.h"
+#include "bindings/python/python_member.h"
 
 #include "dynpoint/tool.h"
 
@@ -44,41 +44,12 @@ static PyObject *tool_of(PyObject *type, PyObject *args)
     return holder ? dpy_member_make((PyTypeObject *)type, holder, id, NULL) : NULL;
 }
 
-#define ON_WORLD(what, call)                                                                                           \
-    dpt_world *world = dpy_world_enter(self->world, what);                                                             \
-    if (!world)                                                                                                        \
-        return NULL;                                                                                                   \
-    dpt_result result = (call);                                                                                        \
-    dpy_world_leave(self->world)
-
 static PyObject *tool_remove(PyObject *object, PyObject *unused)
 {
     dpy_member *self = (dpy_member *)object;
     (void)unused;
     ON_WORLD("Tool.remove", dpt_tool_remove(world, self->id));
     return dpy_result(result, "Tool.remove");
-}
-
-static PyObject *tool_set_pose(PyObject *object, PyObject *to)
-{
-    dpy_member *self = (dpy_member *)object;
-    dpt_pose room;
-    const dpt_pose *pose;
-    if (dpy_get_pose(to, &room, &pose) != 0)
-        return NULL;
-    ON_WORLD("Tool.set_pose", dpt_tool_set_pose(world, self->id, pose));
-    return dpy_result(result, "Tool.set_pose");
-}
-
-static PyObject *tool_teleport(PyObject *object, PyObject *to)
-{
-    dpy_member *self = (dpy_member *)object;
-    dpt_pose room;
-    const dpt_pose *pose;
-    if (dpy_get_pose(to, &room, &pose) != 0)
-        return NULL;
-    ON_WORLD("Tool.teleport", dpt_tool_teleport(world, self->id, pose));
-    return dpy_result(result, "Tool.teleport");
 }
 
 static PyObject *tool_set_segments(PyObject *object, PyObject *segments)
@@ -273,60 +244,44 @@ static PyObject *tool_get_body_wrench(PyObject *object, PyObject *body)
     return result == DPT_OK ? dpy_make_numbers(wrench.force, 6) : dpy_fail(result, "Tool.get_body_wrench", NULL);
 }
 
-static PyObject *tool_get_setting(PyObject *object, PyObject *name)
+static dpt_result read_settings(const dpt_world *world, uint32_t id, void *settings)
 {
-    dpy_member *self = (dpy_member *)object;
-    dpt_tool_settings settings = { .size = sizeof settings };
-    PyObject *utf8 = PyUnicode_AsUTF8String(name);
-    const dpy_field *field = utf8 ? dpy_find_field("dpt_tool_settings", PyBytes_AsString(utf8)) : NULL;
-    Py_XDECREF(utf8);
-    if (!field)
-        return NULL;
-    ON_WORLD("Tool", dpt_tool_get_settings(world, self->id, &settings));
-    return result == DPT_OK ? dpy_read_field(&settings, field) : dpy_fail(result, "Tool", NULL);
+    return dpt_tool_get_settings(world, id, settings);
 }
 
-/* set_settings(**settings): all of them, or none after an error. */
-static PyObject *tool_set_settings(PyObject *object, PyObject *args, PyObject *keywords)
+static dpt_result write_settings(dpt_world *world, uint32_t id, const void *settings)
 {
-    dpy_member *self = (dpy_member *)object;
-    dpt_tool_settings settings = { .size = sizeof settings };
+    return dpt_tool_set_settings(world, id, settings);
+}
+
+static const dpy_member_calls calls = { "Tool",        "dpt_tool_settings", sizeof(dpt_tool_settings),
+                                        read_settings, write_settings,      dpt_tool_is_valid };
+
+static PyObject *tool_get_setting(PyObject *self, PyObject *name)
+{
+    return dpy_member_get_setting((dpy_member *)self, name, &calls);
+}
+
+static PyObject *tool_set_settings(PyObject *self, PyObject *args, PyObject *keywords)
+{
     (void)args;
-    {
-        ON_WORLD("Tool", dpt_tool_get_settings(world, self->id, &settings));
-        if (result != DPT_OK)
-            return dpy_fail(result, "Tool", NULL);
-    }
-    if (dpy_fill(&settings, "dpt_tool_settings", keywords) != 0)
-        return NULL;
-    ON_WORLD("Tool", dpt_tool_set_settings(world, self->id, &settings));
-    return dpy_result(result, "Tool");
+    return dpy_member_set_settings((dpy_member *)self, keywords, &calls);
 }
 
-static PyObject *tool_is_valid(PyObject *object, void *unused)
+static PyObject *tool_is_valid(PyObject *self, void *unused)
 {
-    dpy_member *self = (dpy_member *)object;
     (void)unused;
-    if (!self->world->world)
-        Py_RETURN_FALSE;
-    dpt_world *world = dpy_world_enter(self->world, "Tool.valid");
-    if (!world)
-        return NULL;
-    int is_valid = dpt_tool_is_valid(world, self->id);
-    dpy_world_leave(self->world);
-    return PyBool_FromLong(is_valid);
+    return dpy_member_is_valid((dpy_member *)self, &calls);
 }
 
-static PyObject *tool_get_id(PyObject *self, void *unused)
+static PyObject *tool_set_pose(PyObject *self, PyObject *to)
 {
-    (void)unused;
-    return PyLong_FromUnsignedLong(((dpy_member *)self)->id);
+    return dpy_member_place((dpy_member *)self, to, "Tool.set_pose", dpt_tool_set_pose);
 }
 
-static PyObject *tool_get_world(PyObject *self, void *unused)
+static PyObject *tool_teleport(PyObject *self, PyObject *to)
 {
-    (void)unused;
-    return Py_NewRef((PyObject *)((dpy_member *)self)->world);
+    return dpy_member_place((dpy_member *)self, to, "Tool.teleport", dpt_tool_teleport);
 }
 
 static PyMethodDef methods[] = { { "of", tool_of, METH_VARARGS | METH_CLASS, NULL },
@@ -346,8 +301,8 @@ static PyMethodDef methods[] = { { "of", tool_of, METH_VARARGS | METH_CLASS, NUL
                                    NULL },
                                  { NULL, NULL, 0, NULL } };
 static PyGetSetDef properties[] = { { "valid", tool_is_valid, NULL, NULL, NULL },
-                                    { "id", tool_get_id, NULL, NULL, NULL },
-                                    { "world", tool_get_world, NULL, NULL, NULL },
+                                    { "id", dpy_member_get_id, NULL, NULL, NULL },
+                                    { "world", dpy_member_get_world, NULL, NULL, NULL },
                                     { NULL, NULL, NULL, NULL, NULL } };
 static PyType_Slot slots[] = { { Py_tp_new, tool_new },
                                { Py_tp_dealloc, dpy_member_dealloc },

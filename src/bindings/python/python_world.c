@@ -167,25 +167,6 @@ static PyObject *world_is_closed(PyObject *self, void *unused)
     return PyBool_FromLong(!((dpy_world *)self)->world);
 }
 
-PyObject *dpy_member_make(PyTypeObject *type, dpy_world *world, uint32_t id, PyObject *part)
-{
-    dpy_member *self = (dpy_member *)dpy_allocate(type);
-    if (!self)
-        return NULL;
-    self->world = (dpy_world *)Py_NewRef((PyObject *)world);
-    self->id = id;
-    self->part = Py_XNewRef(part);
-    return (PyObject *)self;
-}
-
-void dpy_member_dealloc(PyObject *self)
-{
-    dpy_member *member = (dpy_member *)self;
-    Py_XDECREF((PyObject *)member->world);
-    Py_XDECREF(member->part);
-    dpy_free(self);
-}
-
 static PyMethodDef methods[] = { { "step", DPY_FASTCALL(world_step), METH_FASTCALL, NULL },
                                  { "reset", world_reset, METH_NOARGS, NULL },
                                  { "close", world_close, METH_NOARGS, NULL },

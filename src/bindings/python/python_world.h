@@ -21,14 +21,6 @@ struct dpy_world {
     PyObject *kept;   /* a dict from a body's id to what it needs */
 };
 
-/* A body or a tool: its world and its id. */
-typedef struct dpy_member {
-    PyObject ob_base;
-    dpy_world *world;
-    uint32_t id;
-    PyObject *part; /* of a tool NULL; of a body its mesh */
-} dpy_member;
-
 extern PyObject *dpy_world_type;
 extern PyObject *dpy_body_type;
 extern PyObject *dpy_tool_type;
@@ -47,10 +39,6 @@ dpy_world *dpy_world_of(PyObject *object);
 /* A world of `holder`, which dpy_world_forget ends; *link is the world as long as there is one. */
 PyObject *dpy_world_wrap(PyTypeObject *type, dpt_world *world, PyObject *holder, dpy_world **link);
 void dpy_world_forget(dpy_world *self);
-
-/* A new member of a type of Python's. */
-PyObject *dpy_member_make(PyTypeObject *type, dpy_world *world, uint32_t id, PyObject *part);
-void dpy_member_dealloc(PyObject *self);
 
 /* None for DPT_OK, else an exception: what a setter ends with. */
 static inline PyObject *dpy_result(dpt_result result, const char *what)
