@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A step of tissue together with its tools, whose bodies have no friction and whose tools no damper, solved by a solver that is slow and obvious: pairs by looking at every triangle
- * and every feature within half a millimetre of the proxy, the problem's matrix in full, sweeps of Gauss and Seidel until
- * the pairs that push meet all conditions. It shares no code with the library's solve. Where nodes go without tools, and
- * with the loads that it finds, is asked of the library's springs, stepped in their own memory, which is put back.
+ * A step of tissue together with its tools, whose bodies have no friction and whose tools no damper, by a solver that is
+ * slow and obvious: pairs by looking at every triangle and every feature within half a millimetre of the proxy, the
+ * problem's matrix in full, sweeps of Gauss and Seidel until the pairs that push meet all conditions. It shares no code with
+ * the library's solve. Where nodes go without tools, and with the loads that it finds, is asked of the library's springs,
+ * stepped in their own memory with the viscosity that touched tissue has, which is put back.
  *
  * Where loads are spread, a touch feels the patch, and what its own point rises by beyond that only later: brute_solve_tick is
  * for ticks in which there is nothing of that.
