@@ -17,6 +17,7 @@
 #include "record/run_trace.h"
 #include "run/run_puts.h"
 #include "run/run_settings.h"
+#include "run/run_status.h"
 #include "scene/scene_record.h"
 #include "view/run_view.h"
 
@@ -31,19 +32,38 @@ struct session {
     struct run_trace trace;
     struct run_view *view;
     struct run_view_report viewed;
+    struct run_status status;
+    double seconds, late; /* since it began, by the device's time; the most so far */
 };
+
+/* Hand the numbers of a tick over to the line on the terminal. */
+static void tell_status(struct session *session, const dpt_loop_sample *sample, const dpt_wrench *wrench,
+                        uint64_t contacts)
+{
+    const struct host_counts *counts = &session->host.counts;
+    session->seconds += sample->dt;
+    session->late = fmax(session->late, sample->late);
+    run_status_tell(&session->status, &(struct run_status_tick){ .seconds = session->seconds,
+                                                                 .force = sqrt(wrench->force[0] * wrench->force[0] +
+                                                                               wrench->force[1] * wrench->force[1] +
+                                                                               wrench->force[2] * wrench->force[2]),
+                                                                 .depth = counts->depth_max,
+                                                                 .late = session->late,
+                                                                 .touches = counts->contacts > contacts });
+}
 
 static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wrench)
 {
     struct session *session = user;
     struct scene *scene = &session->host.scene;
-    const uint64_t failed = session->host.counts.trouble.failed;
+    const uint64_t failed = session->host.counts.trouble.failed, contacts = session->host.counts.contacts;
     scene_record_begin(&session->recording);
     run_view_begin(session->view);
     const dpt_result result = host_session_feel(&session->host, sample, wrench);
     if (result == DPT_OK || session->host.counts.trouble.failed > failed)
         run_view_tick(session->view, scene, sample, result);
     scene_record_tick(&session->recording, scene, sample, result, wrench);
+    tell_status(session, sample, wrench, contacts);
     if (result == DPT_OK)
         run_trace_tick(&session->trace, &scene->stylus);
     return result;
@@ -333,7 +353,9 @@ static int run_loop(struct session *session, const struct run_settings *settings
         status = complain_of("run", host_session_start(&session->host, &error), &error);
     if (status == 0) {
         stop_watch(loop, seconds);
+        run_status_open(&session->status);
         *result = dpt_loop_run(loop, stats);
+        run_status_close(&session->status);
         stop_watch(NULL, HUGE_VAL);
     }
     host_session_stop(&session->host);
