@@ -148,8 +148,28 @@ manual()
     done
 }
 
+# What is told is told to programs too.
+json()
+{
+    succeeds 'a mesh' make torus 600 -o torus.obj
+    succeeds 'compile --json' compile torus.obj -o torus.dpa --json
+    cp stdout compiled.json
+    succeeds 'info --json' info torus.dpa --json
+    check 'both tell the same' cmp -s stdout compiled.json
+    check "one object: $(cat python.log 2>&1)" has_keys compiled.json triangles rounding sections
+    refuses 'both want standard output' '--json and -o -' compile torus.obj -o - --json
+    succeeds 'device list --json' device list --json
+    check "the drivers: $(cat stdout)" has_keys stdout drivers
+    check 'as many as without' test "$("$program" device list | grep -c '^[a-z]')" -eq "$(grep -o '"devices"' stdout | wc -l)"
+    succeeds 'device selftest --json' device selftest sim --json
+    check "the verdicts: $(cat stdout)" has_keys stdout name checks passed failed is_whole
+    check 'a whole one' grep -q '"failed":0,"is_whole":true}$' stdout
+    refuses 'of these alone' '--json is of list, selftest and identify' device watch sim --json
+}
+
 helps
 equals
+json
 typos
 completion
 by_bash

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "cli/arm_file.h"
+#include "cli/cmd_info.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/compile_options.h"
@@ -18,8 +19,9 @@
 
 static const char help[] =
     "usage: dynpoint compile IN -o OUT.dpa [--unit UNIT | --scale X] [--crease DEGREES]\n"
-    "                        [--recentre] [--c-array NAME] [-j N] [--nodes BASE] [--springs KIND ...]\n"
-    "                        [--tool LINK] [--packages DIRS] [--skip LINK ...] [--without-scene]\n"
+    "                        [--recentre] [--c-array NAME] [--json] [-j N] [--nodes BASE]\n"
+    "                        [--springs KIND ...] [--tool LINK] [--packages DIRS] [--skip LINK ...]\n"
+    "                        [--without-scene]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
     "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; says\n"
@@ -38,6 +40,7 @@ static const char help[] =
     "  --recentre      move the mesh to the origin, and keep in the file by how much; for a source that\n"
     "                  lies so far away that floats are too coarse for it\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
+    "  --json          tell what dynpoint info --json tells of it, instead of the report\n"
     "  -j N            use at most N threads; default 1; the bytes are the same for every N\n"
     "  --nodes BASE    embed the vertices in the tetrahedra of TetGen's BASE.node and BASE.ele, in the\n"
     "                  mesh's unit: physics that moves the nodes moves the mesh\n"
@@ -180,6 +183,18 @@ static void report_springs(FILE *file, const dpt_mesh_info *info)
             info->springs, info->spring_nodes, info->fixed_nodes, info->spring_mass, info->poisson, info->stable_step);
 }
 
+static void print_json(const dpt_compiled *compiled, int is_arm)
+{
+    const dpt_mesh *mesh;
+    const dpt_arm *arm;
+    dpt_mesh_info info = { .size = sizeof info };
+    if (is_arm && dpt_arm_open(compiled->bytes, compiled->size, &arm) == DPT_OK)
+        print_arm_json(arm);
+    else if (!is_arm && dpt_mesh_open(compiled->bytes, compiled->size, &mesh) == DPT_OK &&
+             dpt_mesh_get_info(mesh, &info) == DPT_OK)
+        print_mesh_json(mesh, &info, NULL);
+}
+
 static dpt_mesh_info info_of(const dpt_compiled *compiled)
 {
     const dpt_mesh *mesh;
@@ -300,7 +315,7 @@ struct compile_settings {
     const char *in, *out, *array, *unit, *nodes;
     struct arm_options arm;
     double scale, crease;
-    int recentre;
+    int recentre, json;
     uint64_t threads;
     struct spring_options springs;
 };
@@ -337,6 +352,7 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
     *settings = (struct compile_settings){ .scale = NAN, .crease = 60.0, .threads = 1 };
     spring_options_init(springs);
     const struct option_def options[] = { { .name = "-o", .text = &settings->out, .kind = VALUE_FILE },
+                                          { .name = "--json", .flag = &settings->json },
                                           { .name = "-j", .count = &settings->threads },
                                           { .name = "--unit", .text = &settings->unit, .words = unit_words },
                                           { .name = "--scale", .number = &settings->scale },
@@ -382,6 +398,8 @@ static int check_settings(struct compile_settings *settings)
         return 2;
     if (!settings->threads)
         return complain("compile", "-j must be 1 or more");
+    if (settings->json && strcmp(out, "-") == 0)
+        return complain("compile", "--json and -o - both want standard output");
     if (unit && !isnan(settings->scale))
         return complain("compile", "--unit and --scale say the same: give one of them");
     if (isnan(settings->scale))
@@ -409,7 +427,10 @@ static int keep_compiled(const struct compile_settings *settings, const dpt_comp
         fwrite(compiled->bytes, compiled->size, 1, output.file);
     status = output_complete(&output, "compile");
     if (status == 0) {
-        (is_arm ? report_arm : report_mesh)(strcmp(settings->out, "-") ? stdout : stderr, compiled, settings->out);
+        if (settings->json)
+            print_json(compiled, is_arm);
+        else
+            (is_arm ? report_arm : report_mesh)(strcmp(settings->out, "-") ? stdout : stderr, compiled, settings->out);
         status = output_keep(&output, "compile");
     }
     if (status == 0 && !is_arm)

@@ -9,6 +9,7 @@
 #include "built_with.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "cli/json_text.h"
 #include "cli/open_device.h"
 #include "dynpoint/identify.h"
 #include "dynpoint/selftest.h"
@@ -16,9 +17,9 @@
 #include "simulate/simulate_serial.h"
 
 static const char help[] =
-    "usage: dynpoint device list\n"
+    "usage: dynpoint device list [--json]\n"
     "       dynpoint device watch NAME [--for S]\n"
-    "       dynpoint device selftest NAME [--move]\n"
+    "       dynpoint device selftest NAME [--move] [--json]\n"
     "       dynpoint device identify NAME [--move] [-o FILE] [--button N] [--json]\n"
     "       dynpoint device simulate serial|can:WHERE [--swing M] [--for S]\n"
     "\n"
@@ -40,7 +41,7 @@ static const char help[] =
     "            the greatest force, for about a minute: let go of it. Any key ends that\n"
     "  -o FILE   identify writes what it measured, for run --identified FILE\n"
     "  --button N  identify pushes while button N, as of a pedal, is held\n"
-    "  --json    identify prints one object\n"
+    "  --json    list, selftest and identify print one object\n"
     "  --swing M how far the simulated hand goes up and down, m; default 0.02\n";
 
 static void print_reasons(FILE *file, uint32_t reasons)
@@ -54,6 +55,37 @@ static void print_found(void *user, const dpt_driver *driver, const char *where,
 {
     (void)user;
     printf("    %s:%s  %s\n", driver->name, where, about);
+}
+
+/* user: what comes before it. */
+static void print_found_json(void *user, const dpt_driver *driver, const char *where, const char *about)
+{
+    const char **between = user;
+    char name[512];
+    snprintf(name, sizeof name, "%s:%s", driver->name, where);
+    printf("%s{\"name\":", *between);
+    json_write_text(stdout, name);
+    fputs(",\"about\":", stdout);
+    json_write_text(stdout, about);
+    putchar('}');
+    *between = ",";
+}
+
+static int list_json(void)
+{
+    const dpt_driver *driver;
+    fputs("{\"drivers\":[", stdout);
+    for (uint32_t i = 0; (driver = dpt_driver_get(i)); i++) {
+        const char *between = "";
+        printf("%s{\"name\":\"%s\",\"about\":", i ? "," : "", driver->name);
+        json_write_text(stdout, driver->about);
+        fputs(",\"devices\":[", stdout);
+        if (driver->find)
+            driver->find(driver, print_found_json, &between);
+        fputs("]}", stdout);
+    }
+    puts("]}");
+    return 0;
 }
 
 static int list(void)
@@ -193,18 +225,45 @@ static int print_verdict(void *user, const dpt_selftest_line *line)
     return stop_requested();
 }
 
-static int selftest(dpt_device *device, int may_move)
+/* user: how many lines there were. */
+static int print_verdict_json(void *user, const dpt_selftest_line *line)
+{
+    static const char *const words[] = {
+        [DPT_SELFTEST_PASSED] = "passed", [DPT_SELFTEST_FAILED] = "failed", [DPT_SELFTEST_NOTE] = "note"
+    };
+    unsigned *count = user;
+    printf("%s{\"verdict\":\"%s\",\"what\":", *count ? "," : "", words[line->verdict]);
+    json_write_text(stdout, line->what);
+    if (line->verdict != DPT_SELFTEST_NOTE && isfinite(line->measured))
+        printf(",\"measured\":%.17g,\"unit\":\"%s\"", line->measured, line->unit);
+    putchar('}');
+    *count += 1;
+    return stop_requested();
+}
+
+static int selftest(dpt_device *device, int may_move, int json)
 {
     dpt_device_info info = { .size = sizeof info };
     dpt_selftest_def def;
     dpt_selftest_counts counts = { .size = sizeof counts };
     stop_watch(NULL, HUGE_VAL);
     dpt_device_get_info(device, &info);
-    print_info(&info);
+    unsigned lines = 0;
     dpt_selftest_def_init(&def);
     def.may_move = may_move != 0;
-    def.report = print_verdict;
+    def.report = json ? print_verdict_json : print_verdict;
+    def.user = &lines;
+    if (json) {
+        fputs("{\"name\":", stdout);
+        json_write_text(stdout, info.name);
+        fputs(",\"checks\":[", stdout);
+    } else {
+        print_info(&info);
+    }
     const dpt_result result = dpt_device_selftest(device, &def, &counts);
+    if (json)
+        printf("],\"passed\":%" PRIu32 ",\"failed\":%" PRIu32 ",\"is_whole\":%s}\n", counts.passed, counts.failed,
+               result == DPT_OK ? "true" : "false");
     if (result != DPT_OK && result != DPT_E_CANCELLED)
         return complain("device", "%s", dpt_result_text(result));
     return result != DPT_OK || counts.failed ? 1 : 0;
@@ -236,12 +295,14 @@ int command_device(int argc, char **argv)
                                   "is needed (see --help)");
     if (!(seconds > 0.0) || !(swing >= 0.0 && swing <= 1.0))
         return complain("device", "--for must be positive, --swing 0 to 1");
-    if (verb != 4 && (output || json || button != DPT_IDENTIFY_NO_BUTTON))
-        return complain("device", "-o, --button and --json are of identify");
+    if (json && verb != 0 && verb != 2 && verb != 4)
+        return complain("device", "--json is of list, selftest and identify");
+    if (verb != 4 && (output || button != DPT_IDENTIFY_NO_BUTTON))
+        return complain("device", "-o and --button are of identify");
     if (button != DPT_IDENTIFY_NO_BUTTON && button > 31)
         return complain("device", "--button must be 0 to 31");
     if (verb == 0)
-        return list();
+        return json ? list_json() : list();
     if (verb == 3)
         return device_simulate(operand[1], swing, seconds);
     if (verb == 4)
@@ -253,7 +314,7 @@ int command_device(int argc, char **argv)
         return status;
     if (verb == 2)
         end_fault("device", operand[1], device);
-    status = verb == 1 ? watch(device, seconds) : selftest(device, may_move);
+    status = verb == 1 ? watch(device, seconds) : selftest(device, may_move, json);
     dpt_device_close(device);
     return status;
 }

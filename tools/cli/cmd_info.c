@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint info: what a compiled mesh or arm holds and what the compiler found. */
+#include "cli/cmd_info.h"
+
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +10,6 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "scene/host_file.h"
-#include "shape/mesh_size.h"
 
 static const char help[] =
     "usage: dynpoint info FILE.dpa [--json] [--verify] [--sections] [--thickness]\n"
@@ -44,8 +45,7 @@ static double tool_radius_for(double cell)
     return CELLS_ACROSS * cell;
 }
 
-/* `thickness` NULL: it was not asked for. */
-static void print_json(const dpt_mesh *mesh, const dpt_mesh_info *info, const struct mesh_thickness *thickness)
+void print_mesh_json(const dpt_mesh *mesh, const dpt_mesh_info *info, const struct mesh_thickness *thickness)
 {
     printf("{\"triangles\":%" PRIu32 ",\"vertices\":%" PRIu32 ",\"scale\":%.17g,\"rounding\":%.17g,", info->triangles,
            info->vertices, info->scale, info->rounding);
@@ -249,7 +249,7 @@ int command_info(int argc, char **argv)
     } else if (mesh) {
         dpt_mesh_get_info(mesh, &info);
         if (json)
-            print_json(mesh, &info, is_measured ? &thickness : NULL);
+            print_mesh_json(mesh, &info, is_measured ? &thickness : NULL);
         else
             print_text(path, mesh, &info, is_measured ? &thickness : NULL, has_sections);
     }
