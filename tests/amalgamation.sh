@@ -161,6 +161,12 @@ for flags in -ffast-math -Ofast -ffinite-math-only; do
     verdict $? "$flags is refused"
     ! command -v "$clang" >/dev/null 2>&1 || { refused "$clang" -O2 $flags; verdict $? "$flags is refused by clang"; }
 done
+if command -v "${CXX:-c++}" >/dev/null 2>&1; then
+    refused "${CXX:-c++}" -x c++ -O2
+    verdict $? "C++ is refused, in one line"
+else
+    skip "C++ refuses the single files: no C++ compiler"
+fi
 if $cc --version | grep -qi 'gcc\|Free Software Foundation'; then
     for flags in -funsafe-math-optimizations -fno-signed-zeros -freciprocal-math \
         "-fassociative-math -fno-signed-zeros -fno-trapping-math"; do
