@@ -63,6 +63,12 @@ objects = $(patsubst %.c,$(B)/%.o,$(wildcard $1))
 CORE := $(call objects,$(FOLDERS:%=src/%/*.c))
 TEXT := $(call objects,src/text/*.c)
 COMPILE := $(call objects,src/compile/*.c)
+# Device back ends: a folder each. What lies in drivers/ itself serves all of them.
+BACK_ENDS := sim replay serial openhaptics can
+DRIVERS ?= $(BACK_ENDS)
+ifneq ($(filter-out $(BACK_ENDS),$(DRIVERS)),)
+$(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
+endif
 # The system that is built for, by what the compiler says: a folder of drivers/platform, and how a library is named and
 # linked there. Each of ours finds the others beside itself.
 MACHINE := $(shell $(CC) -dumpmachine)
@@ -103,13 +109,9 @@ PLATFORM_ALL := $(call objects,$(patsubst %,drivers/platform/%/*.c,$(if $(filter
 PLATFORM_PROGRAM := $(filter %_program.o,$(PLATFORM_ALL))
 # Serial lines are the drivers' alone.
 PLATFORM_SERIAL := $(filter %_serial.o,$(PLATFORM_ALL))
-PLATFORM_PARTS := $(filter-out $(PLATFORM_PROGRAM) $(PLATFORM_SERIAL),$(PLATFORM_ALL))
-# Device back ends: a folder each. What lies in drivers/ itself serves all of them.
-BACK_ENDS := sim replay serial openhaptics can
-DRIVERS ?= $(BACK_ENDS)
-ifneq ($(filter-out $(BACK_ENDS),$(DRIVERS)),)
-$(error no driver $(filter-out $(BACK_ENDS),$(DRIVERS)): there are $(BACK_ENDS))
-endif
+# One driver alone loads a library; a program without it may be linked statically.
+PLATFORM_LIBRARY := $(if $(filter openhaptics,$(DRIVERS)),,$(filter %_library.o,$(PLATFORM_ALL)))
+PLATFORM_PARTS := $(filter-out $(PLATFORM_PROGRAM) $(PLATFORM_SERIAL) $(PLATFORM_LIBRARY),$(PLATFORM_ALL))
 # Firmware copies wire_device.[ch] (docs/wire.md); no host needs it.
 WIRE_DEVICE := $(B)/drivers/serial/wire_device.o
 DRIVER_PARTS := $(filter-out $(WIRE_DEVICE),$(call objects,drivers/*.c $(DRIVERS:%=drivers/%/*.c))) $(PLATFORM_PARTS) $(PLATFORM_SERIAL)

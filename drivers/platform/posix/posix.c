@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What Linux and macOS share: clocks, threads, libraries, files, names. */
+/* What Linux and macOS share: clocks, threads, files, names. */
 #ifdef __APPLE__
 #define _DARWIN_C_SOURCE
 #else
 #define _GNU_SOURCE
 #endif
 #include <dirent.h>
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -20,7 +19,6 @@
 
 #include "platform/clock.h"
 #include "platform/file.h"
-#include "platform/library.h"
 #include "platform/machine.h"
 #include "platform/thread.h"
 
@@ -69,7 +67,7 @@ void clock_sleep(uint64_t ns)
     nanosleep(&time, NULL);
 }
 
-/* ---- threads and libraries ---- */
+/* ---- threads ---- */
 
 int thread_start(pthread_t *thread, void *(*run)(void *user), void *user)
 {
@@ -79,19 +77,6 @@ int thread_start(pthread_t *thread, void *(*run)(void *user), void *user)
     const int error = pthread_create(thread, NULL, run, user);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     return error;
-}
-
-void *library_load(const char *name, char *reason, size_t room)
-{
-    void *library = dlopen(name, RTLD_NOW | RTLD_GLOBAL);
-    const char *text = library ? NULL : dlerror();
-    snprintf(reason, room, "%s", text ? text : "");
-    return library;
-}
-
-void *library_find(void *library, const char *name)
-{
-    return dlsym(library, name);
 }
 
 /* ---- files ---- */
