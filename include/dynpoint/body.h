@@ -151,8 +151,9 @@ static inline void dpt_deformable_def_init(dpt_deformable_def *def)
 }
 
 /*
- * The bytes that a body of this def needs, in this version of the library: about 56 a triangle; with a
- * compliance 1.1 MB more, 14 a triangle, and 290 a vertex up to 256 times max_points. 0 for a def that is not valid. It takes time in proportion to the mesh's triangles.
+ * The bytes that a body of this def needs, in this version of the library: about 56 a triangle; with a compliance 1.1 MB
+ * more, 14 a triangle, and 290 a vertex up to 256 times max_points. 0 for a def that is not valid. It takes time in
+ * proportion to the mesh's triangles.
  */
 DPT_API size_t dpt_deformable_bytes(const dpt_deformable_def *def);
 
@@ -268,8 +269,9 @@ DPT_API dpt_result dpt_body_set_answered_loads(dpt_world *world, dpt_body body, 
 
 /*
  * The loads of dpt_body_get_loads on the nodes in which the vertices are embedded: four for each load on a vertex, as it
- * is weighted. `vertex` is a node then. Their moments are as exact as the vertices follow the nodes, in float. DPT_E_UNSUPPORTED: the
- * mesh was compiled without an embedding.
+ * is weighted. `vertex` is a node then. Their moments are as exact as the vertices follow the nodes, in float.
+ *
+ * DPT_E_UNSUPPORTED: the mesh was compiled without an embedding.
  */
 DPT_API dpt_result dpt_body_get_node_loads(const dpt_world *world, dpt_body body, dpt_load *loads, uint32_t capacity,
                                            uint32_t *count);
