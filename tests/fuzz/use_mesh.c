@@ -139,6 +139,7 @@ static dpt_world *make_world(void *block, size_t room, uint32_t method, uint32_t
     def.law = DPT_LAW_POINT;
     def.max_bodies = def.max_tools = 1;
     def.max_segments = 2;
+    def.max_tips = 0;
     def.max_contacts = CONTACTS;
     def.certificate_bytes = 2048;
     def.method = method;

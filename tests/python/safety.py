@@ -36,6 +36,11 @@ def unstuff(frame):
     return bytes(body)
 
 
+def with_interrupts():
+    """A shell's job in the background ignores Ctrl-C, and so would what it starts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Line:
     """A pseudo-terminal in front of the simulated device's, which keeps what a host sends."""
 
@@ -144,7 +149,7 @@ class Safety(unittest.TestCase):
         line, ends = Line(), time.monotonic() + 120
         try:
             with subprocess.Popen([sys.executable, "-W", "ignore", "-c", program.replace("END", how), line.name], text=True,
-                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE) as ran:
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=with_interrupts) as ran:
                 while wake and ran.poll() is None and time.monotonic() < ends:
                     time.sleep(0.05)
                     if sum(map(any, line.forces())) > 30:

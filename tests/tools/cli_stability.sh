@@ -27,7 +27,7 @@ listed()
 
 refusals()
 {
-    refuses 'no such case' "there is no case 'wobble'" stability rocking wobble
+    refuses 'no such case' "case: 'wobble' is none of" stability rocking wobble
     refuses 'unknown option' --frob stability --frob
     for effort in 0 -1 1.01 nan hard; do
         refuses "--effort $effort" --effort stability rocking --effort $effort

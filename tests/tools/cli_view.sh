@@ -18,7 +18,7 @@ operands()
     refuses 'view alone' 'is needed (see --help)' view
     refuses 'two operands' 'one argument too many' view box.dpa torus.dpa
     refuses 'no such option' 'unknown option --frob' view box.dpa --frob
-    refuses 'steering a mesh' 'unknown option --control' view box.dpa --control
+    refuses 'steering a mesh' '--control is of a scene' view box.dpa --control
     refuses 'no file' 'nowhere.ply: it cannot be opened' view nowhere.ply -o out/x.html
     refuses 'no compiled file' 'nowhere.dpa: cannot be opened' view nowhere.dpa -o out/x.html
     refuses 'no recording' 'nowhere.dpr: ' view nowhere.dpr -o out/x.html
@@ -47,7 +47,7 @@ operands()
         run box.dpa --device sim: --ticks 5 --view --control
     refuses 'steering a replay' '--control: only a simulated hand' \
         run box.dpa --device 'replay:torus.csv' --ticks 5 --view --control
-    refuses 'steering a recorded hand' 'unknown option --control' view named.dpr --control
+    refuses 'steering a recorded hand' '--control is of a scene' view named.dpr --control
     cp box.dpa before
     for out in box.dpa ./box.dpa; do
         refuses "over the mesh, $out" 'it is an input too' view box.dpa -o $out

@@ -21,7 +21,7 @@ $fixed "$scratch/empty" 2>"$scratch/empty.out" ||
     { skip "threads under ThreadSanitizer: it cannot run here ($(head -n 1 "$scratch/empty.out"))"; finish; }
 
 parts=
-for part in $(ls src/*/*.c | sed '/^src\/convex\//d; /^src\/\(scene\|host\)\//d; s/\.c$//') src/scene/scene_list src/scene/host_error src/scene/host_file src/scene/shape src/scene/shape_organs tools/cli/command_options tools/view/view_stream $(ls drivers/platform/posix/*.c drivers/platform/linux/*.c | sed "/_serial/d; s/\.c$//"); do
+for part in $(ls src/*/*.c | sed '/^src\/convex\//d; /^src\/\(scene\|host\)\//d; s/\.c$//') src/scene/scene_list src/scene/host_error src/scene/host_file src/scene/shape src/scene/shape_organs tools/cli/command_options tools/cli/complete tools/view/view_stream $(ls drivers/platform/posix/*.c drivers/platform/linux/*.c | sed "/_serial/d; s/\.c$//"); do
     parts="$parts $build/$part.o"
 done
 
@@ -40,7 +40,8 @@ raced()
 }
 
 physics="tests/tools/test_scene_physics.c tests/lib/soft_scene.c src/scene/scene_physics.c src/scene/scene_bodies.c
-    src/world/deform_body.c src/proxy/tool_loads.c src/deform/deform_vertices.c src/deform/deform_loads.c src/deform/springs.c"
+    src/world/deform_body.c src/proxy/tool_loads.c src/deform/deform_vertices.c src/deform/deform_loads.c src/deform/springs.c
+    src/deform/loaded_step.c src/deform/local_yield.c"
 # shellcheck disable=SC2086 # words
 raced physics $physics src/exchange/latest.c
 grep -q ' thread_stands_still_with_the_loop$' "$scratch/physics.out"

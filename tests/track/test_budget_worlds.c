@@ -181,8 +181,8 @@ static void a_def_says_what_it_costs(void)
         const size_t bytes = dpt_world_bytes(&def);
         CHECK(bytes >= 24 * bodies + 24 * tools + 200 * segments + 200 * contacts + 12 * both,
               "%zu bytes cannot hold it", bytes);
-        CHECK(bytes <=
-                  (1 << 20) + 2048 * (bodies + tools + contacts) + 13328 * segments + 80 * both + def.certificate_bytes,
+        CHECK(bytes <= (1 << 20) + 2048 * (bodies + tools + contacts) + 13328 * (segments + def.max_tips) + 80 * both +
+                           def.certificate_bytes,
               "%zu bytes", bytes);
         def.method = DPT_METHOD_TREE + n / 2 % 3;
         CHECK((dpt_world_bytes(&def) == 0) == (def.budget > 0), "method %u", def.method);

@@ -235,6 +235,28 @@ static uint32_t draw_vertices(double *vertices)
     return count;
 }
 
+/*
+ * Whether floats may be too coarse for a mesh: their rounding is above a tenth of the median edge, which is no shorter than
+ * the shortest.
+ */
+static int may_be_coarse(const double *vertices, const uint32_t *corners, uint32_t triangles, uint32_t count,
+                         double scale)
+{
+    double far = 0.0, shortest = HUGE_VAL;
+    for (uint32_t i = 0; i < 3 * triangles; i++) {
+        const uint32_t from = corners[i], to = corners[i % 3 == 2 ? i - 2 : i + 1];
+        double square = 0.0;
+        for (int k = 0; from < count && to < count && k < 3; k++) {
+            const double way = scale * (vertices[3 * to + (uint32_t)k] - vertices[3 * from + (uint32_t)k]);
+            far = fmax(far, fabs(scale * vertices[3 * from + (uint32_t)k]));
+            square += way * way;
+        }
+        if (square > 0.0)
+            shortest = fmin(shortest, sqrt(square));
+    }
+    return 0x1p-23 * far > 0.1 * shortest;
+}
+
 static void arrays(void)
 {
     double vertices[3 * VERTICES_MAX];
@@ -265,6 +287,7 @@ static void arrays(void)
      */
     codes.or_done |= !codes.count || (codes.count == 1 && def.progress.stops_at > 0);
     may_fail(&codes, 1, DPT_E_EMPTY);
+    may_fail(&codes, may_be_coarse(vertices, corners, triangles, count, scale), DPT_E_FINITE);
     call_with("%llu vertices, %llu triangles", count, triangles, 0, 0);
     const dpt_result result = RESULT(dpt_compile_arrays, no_vertices ? NULL : vertices, count,
                                      no_corners ? NULL : corners, triangles, def.given, no_out ? NULL : &of.out, diag);

@@ -105,8 +105,9 @@ static void draw_def(struct given_def *of, const struct subject *subject, int ma
     if (may_be_wrong && draw_one_in(4))
         spoil_def(of);
     of->def.pose = of->has_pose ? &of->pose : NULL;
-    const uint32_t today = sizeof of->def, size = may_be_wrong ? draw_size(today, today) : today;
-    of->given = draw_input(LIST_SLOT, &of->def, size, today, today, &of->codes);
+    const uint32_t first = offsetof(dpt_deformable_def, compliance), today = sizeof of->def;
+    const uint32_t size = may_be_wrong ? draw_size(first, today) : today;
+    of->given = draw_input(LIST_SLOT, &of->def, size, first, today, &of->codes);
 }
 
 /* ---- added ---- */

@@ -134,6 +134,7 @@ static void press(void)
     const uint32_t id = tool->id, ticks = 4 + draw_below(24);
     put_elsewhere(scene, tool);
     HOLDS(RESULT(dpt_tool_get_hit, scene->world[0], id, &hit) == DPT_OK, "no hit");
+    twin_finds_hits(scene, id);
     const double speed = draw_one_in(4) ? 0.006 : 0.0015;
     double step[3];
     for (int k = 0; k < 3; k++) {

@@ -363,3 +363,10 @@ void overlaps_must_hold(const dpt_overlap *overlaps, uint32_t count, double radi
             HOLDS(overlaps[k].triangle != o->triangle, "triangle %u is there twice", o->triangle);
     }
 }
+
+void twin_finds_hits(const struct scene *scene, uint32_t tool_id)
+{
+    dpt_hit hit = DPT_HIT_INIT;
+    if (scene->world_count == 2)
+        HOLDS(dpt_tool_get_hit(scene->world[1], tool_id, &hit) == DPT_OK, "no hit");
+}

@@ -61,4 +61,7 @@ double times_inside(const struct body_then *body, const double x[3]);
 
 double apart(const double a[3], const double b[3]);
 
+/* Hits are found when they are read first: after a getter of the true world, in the twin too. */
+void twin_finds_hits(const struct scene *scene, uint32_t tool_id);
+
 #endif

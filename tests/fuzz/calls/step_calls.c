@@ -102,6 +102,7 @@ static void read_tool(struct scene *scene, const struct model_tool *tool, struct
         read_strip(scene, tool, &hits[i]);
     }
     HOLDS(RESULT(dpt_tool_get_hit, world, tool->id, &best) == DPT_OK, "no hit");
+    twin_finds_hits(scene, tool->id);
     HOLDS(best.segment < tool->count && !memcmp(&best, &hits[best.segment], sizeof best),
           "the tool's hit is none of its segments'");
     for (uint32_t i = 0; i < tool->count && best.status != DPT_STATUS_STALE; i++)
@@ -276,6 +277,7 @@ static void touch(void)
     if (!tool || tool->answers != ANSWERS_THERE || !scene->is_as_stepped)
         return;
     HOLDS(RESULT(dpt_tool_get_hit, scene->world[0], tool->id, &hit) == DPT_OK, "no hit");
+    twin_finds_hits(scene, tool->id);
     struct codes codes = { .count = 0 };
     dpt_segment segments[SEGMENTS_MAX];
     memcpy(segments, tool->at, tool->count * sizeof *segments);

@@ -20,7 +20,7 @@ static const struct noun *const nouns[] = {
     &world_noun,  &body_noun, &tool_noun,    &step_noun,     &result_noun,   &strip_noun,     &query_noun,
     &mesh_noun,   &arm_noun,  &compile_noun, &guard_noun,    &coupling_noun, &passivity_noun, &device_noun,
     &loop_noun,   &name_noun, &trial_noun,   &selftest_noun, &proxy_noun,    &record_noun,    &identify_noun,
-    &deform_noun, &node_noun, &spring_noun,  &exchange_noun, &snapshot_noun, &hull_noun
+    &deform_noun, &node_noun, &spring_noun,  &exchange_noun, &snapshot_noun, &hull_noun,      &yield_noun
 };
 enum { NOUNS = sizeof nouns / sizeof *nouns };
 
