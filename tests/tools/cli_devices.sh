@@ -323,13 +323,13 @@ identifications()
 # Of a run on a terminal, which `script` makes; and nowhere else.
 status_line()
 {
-    succeeds 'a run without a terminal' run membrane --device 'sim:?live=1&hand=press' --for 1.6
+    succeeds 'a run without a terminal' run torus.dpa --device 'sim:?live=1&hand=press' --for 1.6
     check "no line there: $(cat stderr)" test "$(grep -c ' at most' stderr)" -eq 0
     if ! command -v script >/dev/null; then
         skip 'the line that follows a run: no script(1)'
         return
     fi
-    script -qec "'$program' run membrane --device 'sim:?live=1&hand=press' --for 2.6" typed >/dev/null 2>&1
+    script -qec "'$program' run torus.dpa --device 'sim:?live=1&hand=press' --for 2.6" typed >/dev/null 2>&1
     check 'it ends' test $? -eq 0
     tr '\r' '\n' <typed >lines
     check "a line follows the run: $(cat lines)" test \
