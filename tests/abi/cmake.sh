@@ -12,10 +12,10 @@ rm -rf "$scratch"
 mkdir -p "$scratch"
 log=$scratch/log
 : >"$log"
-make -s install B="$build" DESTDIR="$scratch/root" PREFIX=/opt/dp >>"$log" 2>&1
+make -s install B="$build" DESTDIR="$scratch/staged" PREFIX=/opt/dp >>"$log" 2>&1
 verdict $? "make install, see $log"
 # It is moved as a whole.
-mkdir -p "$scratch/elsewhere" && mv "$scratch/root/opt/dp" "$scratch/elsewhere/dp"
+mkdir -p "$scratch/elsewhere" && mv "$scratch/staged/opt/dp" "$scratch/elsewhere/dp"
 prefix=$scratch/elsewhere/dp
 
 # project NAME LANGUAGE SOURCE LINES...: a project of one program
