@@ -347,30 +347,13 @@ for lib in libdynpoint_urdf libdynpoint_convex; do
 done >"$scratch/left_out"
 grep -vf "$scratch/left_out" "$here/installed" | diff - "$scratch/installed"
 verdict $? "install puts what $here/installed lists"
-cat >"$scratch/user.c" <<'END'
-#include <dynpoint.h>
-#include <dynpoint/compile.h>
-int main(void)
-{
-    const double vertices[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, ends[6] = { 0.2, 0.2, 1, 0.3, 0.3, 2 };
-    const uint32_t corners[3] = { 0, 1, 2 };
-    dpt_compiled file;
-    const dpt_mesh *mesh;
-    dpt_hit hit = DPT_HIT_INIT;
-    if (dpt_compile_arrays(vertices, 3, corners, 1, NULL, &file, NULL) != DPT_OK ||
-        dpt_mesh_open(file.bytes, file.size, &mesh) != DPT_OK ||
-        dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, NULL) != DPT_OK)
-        return 1;
-    return hit.distance - 1.0 <= hit.error_bound && 1.0 - hit.distance <= hit.error_bound ? 0 : 1;
-}
-END
 if command -v pkg-config >/dev/null 2>&1; then
     export PKG_CONFIG_PATH="$root/opt/dp/lib64/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$root"
     flags=$(pkg-config --cflags --libs libdynpoint_compile libdynpoint)
-    ${CC:-cc} -std=c99 "$scratch/user.c" $flags -o "$scratch/user" &&
+    ${CC:-cc} -std=c99 "$here/user.c" $flags -o "$scratch/user" &&
         LD_LIBRARY_PATH="$root/opt/dp/lib64" "$scratch/user"
     verdict $? "a program builds with the installed .pc and shared libraries"
-    ${CC:-cc} -std=c99 "$scratch/user.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_compile.a" \
+    ${CC:-cc} -std=c99 "$here/user.c" -I"$root/opt/dp/include" "$root/opt/dp/lib64/libdynpoint_compile.a" \
         "$root/opt/dp/lib64/libdynpoint.a" -lm -pthread -o "$scratch/user" && "$scratch/user"
     verdict $? "and with the static ones"
     if [ -n "$urdf" ]; then

@@ -45,29 +45,6 @@ made() {
     return $status
 }
 
-cat >"$scratch/nearest.c" <<'C'
-#include <dynpoint.h>
-#include <stdio.h>
-#ifdef ALONE
-#include <dynpoint_compile.h>
-#else
-#include <dynpoint/compile.h>
-#endif
-int main(void)
-{
-    const double vertices[9] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 }, ends[6] = { 0.2, 0.2, 1, 0.3, 0.3, 2 };
-    const uint32_t corners[3] = { 0, 1, 2 };
-    dpt_compiled file;
-    const dpt_mesh *mesh;
-    dpt_hit hit = DPT_HIT_INIT;
-    if (dpt_compile_arrays(vertices, 3, corners, 1, NULL, &file, NULL) != DPT_OK ||
-        dpt_mesh_open(file.bytes, file.size, &mesh) != DPT_OK ||
-        dpt_query_segments(mesh, NULL, ends, NULL, 1, &hit, NULL) != DPT_OK)
-        return 1;
-    printf("%.3f\n", hit.distance);
-    return 0;
-}
-C
 cat >"$scratch/host.cc" <<'C'
 #include <cstdio>
 #include <dynpoint/driver.h>
@@ -85,12 +62,12 @@ int main()
 }
 C
 
-project shared C "$scratch/nearest.c" 'find_package(dynpoint 0.3 REQUIRED COMPONENTS core compile)' 'set(wanted dynpoint::compile)'
-made shared -DCMAKE_PREFIX_PATH="$prefix" && [ "$("$scratch/shared/build/user")" = 1.000 ] &&
+project shared C tests/abi/user.c 'find_package(dynpoint 0.3 REQUIRED COMPONENTS core compile)' 'set(wanted dynpoint::compile)'
+made shared -DCMAKE_PREFIX_PATH="$prefix" && "$scratch/shared/build/user" &&
     readelf -d "$scratch/shared/build/user" | grep -q 'NEEDED.*libdynpoint_compile'
 verdict $? "find_package: shared libraries, see $log"
-project static C "$scratch/nearest.c" 'set(dynpoint_STATIC ON)' 'find_package(dynpoint REQUIRED)' 'set(wanted dynpoint::compile)'
-made static -DCMAKE_PREFIX_PATH="$prefix" && [ "$("$scratch/static/build/user")" = 1.000 ] &&
+project static C tests/abi/user.c 'set(dynpoint_STATIC ON)' 'find_package(dynpoint REQUIRED)' 'set(wanted dynpoint::compile)'
+made static -DCMAKE_PREFIX_PATH="$prefix" && "$scratch/static/build/user" &&
     ! readelf -d "$scratch/static/build/user" | grep -q 'NEEDED.*libdynpoint'
 verdict $? "find_package: static libraries, see $log"
 if command -v "${CXX:-c++}" >/dev/null 2>&1; then
@@ -103,11 +80,11 @@ if command -v "${CXX:-c++}" >/dev/null 2>&1; then
 else
     skip "a host in C++: no C++ compiler"
 fi
-project missing C "$scratch/nearest.c" 'find_package(dynpoint REQUIRED COMPONENTS core haptics)' 'set(wanted dynpoint::core)'
+project missing C tests/abi/user.c 'find_package(dynpoint REQUIRED COMPONENTS core haptics)' 'set(wanted dynpoint::core)'
 ! made missing -DCMAKE_PREFIX_PATH="$prefix" && grep -q 'dynpoint has no component haptics here' "$scratch/said"
 verdict $? "find_package: a component that there is not is named, see $log"
 for version in 0.2 0.4 1.0 0.3.9; do
-    project "version_$version" C "$scratch/nearest.c" "find_package(dynpoint $version REQUIRED)" 'set(wanted dynpoint::core)'
+    project "version_$version" C tests/abi/user.c "find_package(dynpoint $version REQUIRED)" 'set(wanted dynpoint::core)'
     ! made "version_$version" -DCMAKE_PREFIX_PATH="$prefix" && grep -q 'compatible with requested' "$scratch/said"
     verdict $? "find_package: version $version is refused, see $log"
 done
@@ -116,8 +93,8 @@ if [ -e "$build/amalgamation/CMakeLists.txt" ]; then
     cp -r "$build/amalgamation" "$scratch/single"
     # Debug, which compiles in a quarter of the time.
     language=$(command -v "${CXX:-c++}" >/dev/null 2>&1 && echo CXX || echo C)
-    project inside $language "$scratch/nearest.c" 'add_subdirectory(../single dynpoint)' 'add_definitions(-DALONE)' 'set(wanted dynpoint::compile)'
-    made inside -DCMAKE_BUILD_TYPE=Debug && [ "$("$scratch/inside/build/user")" = 1.000 ]
+    project inside $language tests/abi/user.c 'add_subdirectory(../single dynpoint)' 'add_definitions(-DALONE)' 'set(wanted dynpoint::compile)'
+    made inside -DCMAKE_BUILD_TYPE=Debug && "$scratch/inside/build/user"
     verdict $? "add_subdirectory: the single files, in a project in $language, see $log"
 else
     skip "the single files by add_subdirectory: no python3"

@@ -173,4 +173,30 @@ static inline void someone_says(uint8_t node, uint8_t command, float torque)
     CHECK(socketcan_send(&stranger, &frame, 1) == 1, "no room");
 }
 
+/* What may happen to the bus, for tables of faults. */
+static inline void go_off(void)
+{
+    bus_has_error(CAN_ERR_BUSOFF, 0);
+}
+
+static inline void come_on(void)
+{
+    bus_has_error(CAN_ERR_RESTARTED, 0);
+}
+
+static inline void shut(void)
+{
+    bus_fails(ENETDOWN);
+}
+
+static inline void unplug(void)
+{
+    bus_fails(ENODEV);
+}
+
+static inline void mend(void)
+{
+    bus_fails(0);
+}
+
 #endif

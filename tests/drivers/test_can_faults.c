@@ -5,16 +5,6 @@
  */
 #include "drivers/can_fixture.h"
 
-static void go_off(void)
-{
-    bus_has_error(CAN_ERR_BUSOFF, 0);
-}
-
-static void come_on(void)
-{
-    bus_has_error(CAN_ERR_RESTARTED, 0);
-}
-
 static void become_passive(void)
 {
     bus_has_error(CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE);
@@ -33,21 +23,6 @@ static void fill_up(void)
 static void empty(void)
 {
     can_is_full = 0;
-}
-
-static void shut(void)
-{
-    bus_fails(ENETDOWN);
-}
-
-static void unplug(void)
-{
-    bus_fails(ENODEV);
-}
-
-static void mend(void)
-{
-    bus_fails(0);
 }
 
 /* The host reads nothing while more comes than there is room for. */

@@ -277,31 +277,6 @@ static void give_orders(void)
     CHECK(of->drive->encode(of, &order, &frame) && socketcan_send(&stranger, &frame, 1) == 1, "no order");
 }
 
-static void go_off(void)
-{
-    bus_has_error(CAN_ERR_BUSOFF, 0);
-}
-
-static void come_on(void)
-{
-    bus_has_error(CAN_ERR_RESTARTED, 0);
-}
-
-static void shut(void)
-{
-    bus_fails(ENETDOWN);
-}
-
-static void unplug(void)
-{
-    bus_fails(ENODEV);
-}
-
-static void mend(void)
-{
-    bus_fails(0);
-}
-
 static void nothing(void)
 {
 }

@@ -101,6 +101,24 @@ static int get_wrench_buffer(PyObject *to, Py_buffer *view)
     return -1;
 }
 
+/*
+ * What a call returns for a wrench: `out`, into whose view it is written, or a new array. wrench: NULL: an exception is set.
+ * The view of `out` ends.
+ */
+static PyObject *hand_over(const dpt_wrench *wrench, dpt_result result, const char *what, PyObject *out,
+                           Py_buffer *view)
+{
+    if (out && wrench)
+        memcpy(view->buf, wrench, sizeof *wrench);
+    if (out)
+        PyBuffer_Release(view);
+    if (!wrench)
+        return NULL;
+    if (result != DPT_OK)
+        return dpy_fail(result, what, NULL);
+    return out ? Py_NewRef(out) : dpy_make_numbers(wrench->force, 6);
+}
+
 /* get_wrench(out=None): a tuple of 6, or `out`. */
 static PyObject *tool_get_wrench(PyObject *object, PyObject *const *args, Py_ssize_t count)
 {
@@ -118,16 +136,7 @@ static PyObject *tool_get_wrench(PyObject *object, PyObject *const *args, Py_ssi
     dpt_result result = world ? dpt_tool_get_wrench(world, self->id, &wrench) : DPT_OK;
     if (world)
         dpy_world_leave(self->world);
-    if (has_out) {
-        if (world)
-            memcpy(view.buf, &wrench, sizeof wrench);
-        PyBuffer_Release(&view);
-    }
-    if (!world)
-        return NULL;
-    if (result != DPT_OK)
-        return dpy_fail(result, "Tool.get_wrench", NULL);
-    return has_out ? Py_NewRef(args[0]) : dpy_make_numbers(wrench.force, 6);
+    return hand_over(world ? &wrench : NULL, result, "Tool.get_wrench", has_out ? args[0] : NULL, &view);
 }
 
 /* tick(pose, dt, out=None): set_pose, World.step and get_wrench in one call. */
@@ -160,16 +169,7 @@ static PyObject *tool_tick(PyObject *object, PyObject *const *args, Py_ssize_t c
             result = got;
         dpy_world_leave(self->world);
     }
-    if (has_out) {
-        if (world)
-            memcpy(view.buf, &wrench, sizeof wrench);
-        PyBuffer_Release(&view);
-    }
-    if (!world)
-        return NULL;
-    if (result != DPT_OK)
-        return dpy_fail(result, "Tool.tick", NULL);
-    return has_out ? Py_NewRef(args[2]) : dpy_make_numbers(wrench.force, 6);
+    return hand_over(world ? &wrench : NULL, result, "Tool.tick", has_out ? args[2] : NULL, &view);
 }
 
 /* get(name, out, segment=0): one struct of the last step. */
