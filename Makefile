@@ -58,7 +58,7 @@ CONFIG_CFLAGS := --coverage
 endif
 
 # The folders of the core, in the order of their layers (docs/design.md).
-FOLDERS := base mesh kernel nearest sweep hull contact strip query force deform exchange track proxy tissue world arm
+FOLDERS := base mesh kernel nearest sweep hull contact strip query force deform exchange track insertion proxy tissue world arm
 objects = $(patsubst %.c,$(B)/%.o,$(wildcard $1))
 CORE := $(call objects,$(FOLDERS:%=src/%/*.c))
 TEXT := $(call objects,src/text/*.c)

@@ -17,6 +17,7 @@
 #include "dynpoint/exchange.h"
 #include "dynpoint/guard.h"
 #include "dynpoint/hull.h"
+#include "dynpoint/insertion.h"
 #include "dynpoint/kernel.h"
 #include "dynpoint/mesh.h"
 #include "dynpoint/passivity.h"

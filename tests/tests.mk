@@ -3,7 +3,7 @@
 # in $(B)/tests. A program is linked with every other source of its folder, and with what it uses of tests/lib.
 
 # Those of other folders are linked in a way of their own, below.
-TOPICS := base mesh compile kernel nearest sweep hull contact strip query force deform exchange track proxy world arm drivers host tools view $(if $(VIEW_SERVER),view/server) fuzz
+TOPICS := base mesh compile kernel nearest sweep hull contact strip query force deform exchange track insertion proxy world arm drivers host tools view $(if $(VIEW_SERVER),view/server) fuzz
 EXACT_TESTS := test_sweep_exact test_sweep_moving
 TEST_SOURCES := $(filter-out $(EXACT_TESTS:%=tests/sweep/%.c),$(wildcard $(TOPICS:%=tests/%/test_*.c)))
 TESTS := $(addprefix $(B)/tests/,$(basename $(notdir $(TEST_SOURCES))))

@@ -69,6 +69,25 @@ typedef struct dpt_body_settings {
      * proxy stays outside; 0
      */
     double stiffness;
+    /*
+     * What a piercing tool meets (insertion.h), in worlds with room for channels: elsewhere, and for deformable bodies,
+     * a puncture force or toughness above 0 is DPT_E_UNSUPPORTED. With both 0, nothing pierces the body.
+     *   puncture_force   N, 0..1e6: a wall ruptures at this force of the tip along its axis. 0: by the toughness; 0
+     *   toughness        J/m2, 0..1e9: what it takes to open the material. Without a puncture force, a wall ruptures where the
+     *                    coupling holds as much as opens the tip's cross-section. To cut on takes it on a width of the
+     *                    tool's diameter; 0
+     *   cutting_force    N, 0..1e6, at the tip where it goes deeper than it has been, beside what the toughness gives; 0
+     *   shaft_friction   N/m, 0..1e6: along the shaft, at most so much for each metre that is inside; 0
+     *   shaft_viscosity  Ns/m2, 0..1e6: likewise, for each m/s; 0
+     *   shaft_stiffness  N/m2, 0..1e12: a shaft that sticks gives by this, for each metre inside. 0: it slips beyond
+     *                    10 um; 0
+     */
+    double puncture_force;
+    double toughness;
+    double cutting_force;
+    double shaft_friction;
+    double shaft_viscosity;
+    double shaft_stiffness;
 } dpt_body_settings;
 
 DPT_API dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body_settings *settings);
@@ -100,7 +119,7 @@ DPT_API dpt_result dpt_body_get_wrench(const dpt_world *world, dpt_body body, dp
 enum { DPT_RESPONSE_LOAD = 0, DPT_RESPONSE_DISPLACE = 1 };
 
 typedef struct dpt_deformable_def {
-    uint32_t size;        /* sizeof(dpt_deformable_def), set by dpt_deformable_def_init */
+    uint32_t size; /* sizeof(dpt_deformable_def), set by dpt_deformable_def_init */
     /* Where tools push it at one time, for dpt_body_get_loads; torsion of a tool pushes at three more; 1..65535; 16 */
     uint32_t max_points;
     const dpt_mesh *mesh; /* its topology, and where the vertices are at first; it must stay open */
@@ -161,6 +180,7 @@ DPT_API size_t dpt_deformable_bytes(const dpt_deformable_def *def);
  * Add a deformable body. `block` is aligned to 8 and of at least dpt_deformable_bytes(def) bytes; it belongs to the body
  * until that is removed. Takes time in proportion to the mesh's triangles.
  *
+ * DPT_E_UNSUPPORTED: the world has room for channels (insertion.h). Tools pierce rigid bodies alone, so far.
  * DPT_E_ARGUMENT: the box does not hold the mesh, or a value is out of its range. DPT_E_FINITE: the box is not finite, or
  * beyond DPT_COORDINATE_MAX.
  *

@@ -89,7 +89,16 @@ typedef struct dpt_tool_settings {
      * for all; docs/algorithms/near_only.md; 0
      */
     uint32_t near_only;
+    /*
+     * DPT_PIERCING_...: the end of its segment with which the tool pierces bodies that can be (insertion.h). For rigid
+     * tools of one segment of a length and radius above 0, without tips and with DPT_LAW_PROXY, in worlds with room for channels; else
+     * DPT_E_UNSUPPORTED. A change takes it out of its channels, as a teleport does; DPT_PIERCING_NONE
+     */
+    uint32_t piercing;
+    uint32_t reserved; /* 0 */
 } dpt_tool_settings;
+
+enum { DPT_PIERCING_NONE = 0, DPT_PIERCING_A = 1, DPT_PIERCING_B = 2 };
 
 DPT_API dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool_settings *settings);
 DPT_API dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool_settings *settings);
@@ -210,7 +219,13 @@ enum {
      * In the tissue's step the tool touched in more places than are counted at one time, or than the budget was enough for:
      * the nearest were. Or there was no push that kept it out of all of them.
      */
-    DPT_FORCE_FLAG_CROWDED = 256
+    DPT_FORCE_FLAG_CROWDED = 256,
+    /* A wall has ruptured before the tip, in this step or just before: the force drops (insertion.h). */
+    DPT_FORCE_FLAG_RUPTURE = 512,
+    /* The tool is in a channel: friction along its shaft and cutting at its tip are part of the wrench. */
+    DPT_FORCE_FLAG_INSERTED = 1024,
+    /* A wall holds that would have ruptured, as the world or the tool has no room for another channel. */
+    DPT_FORCE_FLAG_CHANNELS_FULL = 2048
 };
 
 /*

@@ -2,11 +2,20 @@
 #include "proxy/proxy.h"
 
 #include "base/quaternion.h"
+#include "insertion/world_channels.h"
 #include "proxy/patch_sides.h"
 #include "track/tool_parts.h"
 
 enum { BYTES_PROXY = 1584 };
 typedef char proxy_fits[sizeof(struct proxy) <= BYTES_PROXY ? 1 : -1];
+
+/* As a share of the largest diagonal of all bodies, which counts up to PROXY_SCALE_MAX. */
+#define CLEARANCE 2e-6
+
+double dpti_proxy_clearance(const struct dpt_world *world)
+{
+    return CLEARANCE * min_of(world->largest_diagonal, PROXY_SCALE_MAX);
+}
 
 uint64_t dpti_proxy_bytes(const dpt_world_def *def)
 {
@@ -37,6 +46,7 @@ void dpti_proxy_forget(struct dpt_world *world, struct tool *tool)
     struct proxy *proxy = proxy_of(world, tool);
     *proxy = (struct proxy){ .length = proxy->length, .radius = proxy->radius };
     dpti_patches_forget(world, tool);
+    dpti_insertion_forget(world, tool);
 }
 
 void dpti_proxy_remember(struct proxy *proxy, uint32_t segment, uint32_t body, uint32_t triangle)
@@ -65,25 +75,30 @@ void dpti_proxy_leave(struct proxy *proxy)
     proxy->has_been_inside = 0;
 }
 
-/* A body goes, by its id: forget its triangles, and what friction keeps of it. A proxy that it held is released. */
-static void forget_contacts(struct proxy *proxy, uint32_t body)
+int dpti_proxy_forget_triangles(struct proxy *proxy, uint32_t body)
 {
+    int has_any = 0;
     for (uint32_t i = 0; i < PROXY_MEMORY; i++)
         if (proxy->memory[i].body_id == body) {
             proxy->memory[i] = (struct proxy_triangle){ .body_id = 0 };
             proxy->used[i] = 0;
-            proxy->is_released = 1;
-            proxy->fade.time_left = 0.0;
+            has_any = 1;
         }
     for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++)
         if (proxy->contacts[i].body_id == body)
             proxy->contacts[i] = (struct proxy_contact){ .body_id = 0 };
+    return has_any;
 }
 
 void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body)
 {
-    for (uint32_t t = 0; world->def.until == DPT_UNTIL_RESPOND && t < world->tool_slot_end; t++)
-        forget_contacts(&world->proxies[t], body);
+    for (uint32_t t = 0; world->def.until == DPT_UNTIL_RESPOND && t < world->tool_slot_end; t++) {
+        struct proxy *proxy = &world->proxies[t];
+        if (!dpti_proxy_forget_triangles(proxy, body))
+            continue;
+        proxy->is_released = 1;
+        proxy->fade.time_left = 0.0;
+    }
 }
 
 void dpti_proxy_note_body(struct dpt_world *world, uint32_t slot)

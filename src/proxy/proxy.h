@@ -32,7 +32,10 @@ int dpti_proxy_is_used(const struct dpt_world *world, const struct tool *tool);
 /* Restart the proxy at the device's pose. */
 void dpti_proxy_forget(struct dpt_world *world, struct tool *tool);
 
-/* Forget what proxies remember of a body, by its id. */
+/* Forget the triangles of a body, by its id, and what friction keeps of it. Returns 1 if there were any. */
+int dpti_proxy_forget_triangles(struct proxy *proxy, uint32_t body);
+
+/* Forget what proxies remember of a body that goes, by its id. One that it held is released. */
 void dpti_proxy_forget_body(struct dpt_world *world, uint32_t body);
 
 /* What a free tool with a proxy was given last, in the world. The world's own segment may be smaller. */

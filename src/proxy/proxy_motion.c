@@ -2,6 +2,7 @@
 #include "proxy/proxy_motion.h"
 
 #include "hull/hull_sweep.h"
+#include "insertion/world_channels.h"
 #include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
 #include "track/body_search.h"
@@ -172,7 +173,8 @@ static void sweep_part(struct proxy_tick *tick, uint32_t number, const struct pr
                                          reach + (tick->is_before ? world_body_motion(world) : 0.0));
     for (uint32_t k = 0; k < nearby->count; k++) {
         const uint32_t slot = nearby->slots ? nearby->slots[k] : k;
-        if (slot == carrier || !is_in_reach(tick, slot, &box, reach))
+        if (slot == carrier || !is_in_reach(tick, slot, &box, reach) ||
+            (world->channels && dpti_is_inserted_in(world, tick->tool, world->bodies[slot].id)))
             continue;
         sweep->is_alone = 0;
         if (part.tip)
@@ -194,6 +196,13 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
         sweep_part(tick, i, to, carrier, &sweep);
     world_end_sweep(world, &before);
     return sweep;
+}
+
+int dpti_proxy_sweep(struct proxy_tick *tick, const struct proxy_pose *to, double *free_until)
+{
+    const struct tool_sweep sweep = sweep_tool(tick, to, DPT_NONE);
+    *free_until = sweep.time;
+    return sweep.status == SWEEP_FREE;
 }
 
 /*

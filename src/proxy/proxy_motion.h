@@ -20,6 +20,12 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick);
 double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met);
 
 /*
+ * Sweep the tool on its way to a pose past all bodies in whose channels it is not, without moving it. Returns 1 if it meets
+ * none. What it meets is remembered. *free_until: the share of the way that is free.
+ */
+int dpti_proxy_sweep(struct proxy_tick *tick, const struct proxy_pose *to, double *free_until);
+
+/*
  * While tick->is_before: move with a body that moved, as if fixed to it, if no other body is in the way. It needs no
  * search and no sweep of that body. Returns 0, with tick->at as before, if there is no such body.
  */

@@ -2,6 +2,7 @@
 #include "proxy/proxy.h"
 
 #include "proxy/patch_motion.h"
+#include "proxy/proxy_channel.h"
 #include "proxy/proxy_constraints.h"
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_friction.h"
@@ -17,8 +18,7 @@ enum { ITERATIONS_MAX = 8 };
 /* How often a moving body may push a proxy away. After that the body takes it along. */
 enum { PUSHES_MAX = 4 };
 
-/* As a share of the largest diagonal of all bodies, which counts up to PROXY_SCALE_MAX; and as a share of that. */
-#define CLEARANCE 2e-6
+/* As a share of the clearance. */
 #define GAP_SHARE 0.375
 
 /*
@@ -322,6 +322,10 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         proxy->trust = HUGE_VAL;
     proxy->is_released = 0;
     tick->is_before = !is_alone && bodies_came_near(tick);
+    if (tool_is_inserted(tick->world, tick->tool)) {
+        dpti_proxy_follow_channel(tick, allowed, dt);
+        return;
+    }
     if (!dpti_patch_follow(tick, &allowed)) {
         if (!tick->is_before)
             find_again(tick);
@@ -334,6 +338,8 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
             return;
         }
     }
+    if (tick->world->channels && dpti_proxy_enter_channel(tick, allowed, dt))
+        return;
     const struct displacement moved = dpti_proxy_displacement(proxy, &from, &tick->at);
     const struct displacement left = dpti_proxy_displacement(proxy, &tick->at, &tick->device);
     const double motion = displacement_norm(&proxy->coupling, &moved);
@@ -382,9 +388,14 @@ static int stood_still(const struct proxy *before, const struct proxy *now)
     return !memcmp(before, now, offsetof(struct proxy, last_felt));
 }
 
-double dpti_proxy_clearance(const struct dpt_world *world)
+/* What is felt of a proxy in the open, and what bodies do to it. */
+static void feel_contacts(struct proxy_tick *tick)
 {
-    return CLEARANCE * min_of(world->largest_diagonal, PROXY_SCALE_MAX);
+    dpti_proxy_yield(tick);
+    if (tick->is_waiting)
+        dpti_proxy_wait(tick);
+    tick->proxy->body_work = dpti_proxy_body_work(tick);
+    dpti_loads_note_proxy(tick);
 }
 
 void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
@@ -433,11 +444,12 @@ void dpti_proxy_step(struct dpt_world *world, struct tool *tool, double dt)
             tick.at = dpti_proxy_spun_as(proxy, &tick.at, &tick.device, SPIN_ROLLED_MAX);
     }
     dpti_proxy_keep_contacts(&tick);
-    dpti_proxy_yield(&tick);
-    if (tick.is_waiting)
-        dpti_proxy_wait(&tick);
-    proxy->body_work = dpti_proxy_body_work(&tick);
-    dpti_loads_note_proxy(&tick);
+    if (tool_is_inserted(world, tool))
+        dpti_proxy_feel_channel(&tick);
+    else
+        feel_contacts(&tick);
+    if (world->channels)
+        dpti_proxy_pierce(&tick);
     const int is_done = dpti_tips_follow(&tick);
     proxy->pose = tick.at.pose;
     proxy->device_pose = tool->pose;

@@ -18,6 +18,7 @@
 #include "dynpoint/tool.h"
 #include "force/bed.h"
 #include "force/fade.h"
+#include "force/rupture.h"
 #include "force/spring.h"
 #include "hull/hull_search.h"
 #include "nearest/bvh.h"
@@ -45,6 +46,7 @@ struct body {
     double stiffness;   /* N/m, of the surface; 0: rigid */
     uint32_t unfelt;    /* 1: tools ignore it */
     uint32_t held_tick; /* the tick before which it was last held where it was; 0: never */
+    struct pierce_law pierce;
 };
 
 struct tool {
@@ -64,9 +66,8 @@ struct tool {
     uint32_t force_reason; /* DPT_FORCE_... */
     uint32_t force_flags;  /* DPT_FORCE_FLAG_... */
     struct slot slot;
-    uint32_t first_segment; /* index in the world's segments; its others follow */
-    uint32_t segment_count;
-    uint32_t first_tip; /* index in the world's tips; its others follow */
+    uint32_t first_segment, segment_count; /* index in the world's segments; its others follow */
+    uint32_t first_tip;                    /* index in the world's tips; its others follow */
     uint32_t tip_count;
     /* The segment whose hit is the tool's; counts from first_segment, and tips go on from segment_count. */
     uint32_t nearest_segment;
@@ -87,6 +88,7 @@ struct tool {
     /* Of the last step that had an answer, before any shaper: the wrench, and the point in the world that it is about. */
     dpt_wrench law_wrench;
     vec3 law_origin;
+    uint32_t piercing; /* DPT_PIERCING_... */
 };
 
 /* Where a tool pushes a body: src/proxy/tool_loads.c. */
@@ -171,16 +173,15 @@ struct proxy {
     vec3 centre;          /* of the segments, in the tool's frame */
     vec3 axis;            /* unit, of a straight tool, in its frame */
     struct coupling coupling;
-    double extent;      /* m: how far the segments' points are from the centre, at most */
-    double gap;         /* m: the tool's surface is at least so far from all bodies of the last tick */
-    double min_gap;     /* m: the least that is allowed */
-    double trust;       /* m: the longest motion that is tried at once */
-    double last_motion; /* m */
-    double owed;        /* m: the motion of the last tick that the budget prevented */
-    double lag;         /* m */
-    double tip_motion;  /* m: how far tips moved in the tool's frame in the last tick, at most */
-    double length;      /* m: of a free tool, the device's */
-    double radius;      /* m: likewise */
+    double extent;         /* m: how far the segments' points are from the centre, at most */
+    double gap;            /* m: the tool's surface is at least so far from all bodies of the last tick */
+    double min_gap;        /* m: the least that is allowed */
+    double trust;          /* m: the longest motion that is tried at once */
+    double last_motion;    /* m */
+    double owed;           /* m: the motion of the last tick that the budget prevented */
+    double lag;            /* m */
+    double tip_motion;     /* m: how far tips moved in the tool's frame in the last tick, at most */
+    double length, radius; /* m: of a free tool, the device's */
     /*
      * The parts of the displacement from the device to the proxy that are not felt: what surfaces yield, and the motion
      * that only a budget ended. Then the energy that the surfaces store, J.
@@ -212,12 +213,11 @@ struct proxy {
      */
     dpt_pose end;
     struct displacement end_motion;
-    struct displacement pushed,
-        last_pushed;             /* what pushed it there, over the stiffness: with a damper not what is felt */
-    double stored, last_stored;  /* J, then by surfaces that yield */
-    uint16_t sticking, slipping; /* contacts with friction */
-    uint8_t is_ended;            /* there was such a step since the world's last one */
-    uint8_t is_led;              /* friction held it there, so the proxy follows that pose, not the device */
+    struct displacement pushed, last_pushed; /* over the stiffness: with a damper not what is felt */
+    double stored, last_stored;              /* J, then by surfaces that yield */
+    uint16_t sticking, slipping;             /* contacts with friction */
+    uint8_t is_ended;                        /* there was such a step since the world's last one */
+    uint8_t is_led; /* friction held it there, so the proxy follows that pose, not the device */
     uint8_t is_sliding, has_home;
     double pace;                 /* m: after a wait, how far the felt displacement may change in this tick */
     uint32_t used[PROXY_MEMORY]; /* the clock when each triangle of `memory` was used last */
@@ -408,14 +408,11 @@ struct dpt_world {
     dpt_world_def def; /* its `baseline` points to the next field */
     dpt_baseline_def baseline;
     struct kernel kernel;
-    uint32_t body_slot_end; /* slots from here on were never used */
-    uint32_t tool_slot_end; /* the same for tools */
+    uint32_t body_slot_end, tool_slot_end; /* slots from here on were never used */
     uint32_t body_count;
     uint32_t unfelt_body_count; /* of them, those that tools do not find */
     uint32_t deform_count;      /* of them, those with vertices of their own */
-    uint32_t tool_count;
-    uint32_t segment_count;
-    uint32_t tip_count;
+    uint32_t tool_count, segment_count, tip_count;
     uint32_t freed_count[2];      /* slots of bodies [0] and tools [1] freed so far; may wrap */
     uint32_t invalid_body_count;  /* without a valid pose; above 0 every answer is stale */
     struct work work;             /* this tick's, with its budget */
@@ -455,7 +452,10 @@ struct dpt_world {
     struct segment_strip *segment_strips;   /* per segment; only with strips */
     struct proxy *proxies;                  /* one a tool; only where the world responds */
     struct proxy_patch *patches;            /* likewise, one a segment */
-    struct load_note *loads;                /* of the last step; a tool's in the order of its law */
+    struct channel *channels;               /* def.max_channels of them; NULL: nothing can be pierced */
+    struct insertion *insertions;           /* one a tool, with channels alone */
+    uint32_t last_channel_id;
+    struct load_note *loads; /* of the last step; a tool's in the order of its law */
     uint32_t load_count;
     struct near_bodies near_bodies;  /* of the segment in work */
     struct distance_profile profile; /* of the segment and body in work */

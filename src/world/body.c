@@ -3,6 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "insertion/world_channels.h"
 #include "proxy/proxy.h"
 #include "track/body_search.h"
 #include "track/persistent_contacts.h"
@@ -24,6 +25,7 @@ static void forget_body(struct dpt_world *world, uint32_t slot)
     for (uint32_t s = 0; s < world->segment_count; s++)
         dpti_force_forget_body(&world->segments[s], world->bodies[slot].id);
     dpti_proxy_forget_body(world, world->bodies[slot].id);
+    dpti_channels_forget_body(world, world->bodies[slot].id);
     dpti_tips_forget_body(world, world->bodies[slot].id);
     dpti_body_search_forget_body(world, slot);
     dpti_baseline_forget(world, 0, world->segment_count, slot);
@@ -57,6 +59,7 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->side_limit = world->def.side_limit;
     made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
     made->unfelt = 0;
+    made->pierce = (struct pierce_law){ .puncture_force = 0.0 };
     made->moved_tick = made->held_tick = 0;
     made->added_tick = world->bodies_put_tick = world_coming_tick(world);
     made->slot.valid = 1;
@@ -287,6 +290,35 @@ static void set_unfelt(struct dpt_world *world, struct body *body, uint32_t unfe
     begin_anew(world, body);
 }
 
+/* Settings as they are. */
+static dpt_body_settings settings_of(const struct body *body)
+{
+    return (dpt_body_settings){ .size = sizeof(dpt_body_settings),
+                                .unfelt = body->unfelt,
+                                .side_limit = body->side_limit,
+                                .static_friction = body->static_friction,
+                                .kinetic_friction = body->kinetic_friction,
+                                .stiffness = body->stiffness,
+                                .puncture_force = body->pierce.puncture_force,
+                                .toughness = body->pierce.toughness,
+                                .cutting_force = body->pierce.cutting_force,
+                                .shaft_friction = body->pierce.shaft_friction,
+                                .shaft_viscosity = body->pierce.shaft_viscosity,
+                                .shaft_stiffness = body->pierce.shaft_stiffness };
+}
+
+static int is_between(double value, double max)
+{
+    return value >= 0.0 && value <= max;
+}
+
+static int pierce_law_is_valid(const struct pierce_law *law)
+{
+    return is_between(law->puncture_force, 1e6) && is_between(law->toughness, 1e9) &&
+           is_between(law->cutting_force, 1e6) && is_between(law->shaft_friction, 1e6) &&
+           is_between(law->shaft_viscosity, 1e6) && is_between(law->shaft_stiffness, 1e12);
+}
+
 dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body_settings *given)
 {
     if (!world || !given)
@@ -294,17 +326,17 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
     struct body *found = world_find_body(world, body);
     if (!found)
         return DPT_E_HANDLE;
-    dpt_body_settings settings = { .size = sizeof settings,
-                                   .unfelt = found->unfelt,
-                                   .side_limit = found->side_limit,
-                                   .static_friction = found->static_friction,
-                                   .kinetic_friction = found->kinetic_friction,
-                                   .stiffness = found->stiffness };
+    dpt_body_settings settings = settings_of(found);
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
+    const struct pierce_law pierce = { settings.puncture_force, settings.toughness,       settings.cutting_force,
+                                       settings.shaft_friction, settings.shaft_viscosity, settings.shaft_stiffness };
     if (settings.unfelt > 1 || !dpti_side_limit_is_valid(settings.side_limit) ||
         !dpti_friction_is_valid(settings.static_friction, settings.kinetic_friction) ||
-        !dpti_stiffness_is_valid(settings.stiffness))
+        !dpti_stiffness_is_valid(settings.stiffness) || !pierce_law_is_valid(&pierce))
         return DPT_E_ARGUMENT;
+    if (pierce_law_is_any(&pierce) && (!world->channels || found->surface.motion))
+        return DPT_E_UNSUPPORTED;
+    found->pierce = pierce;
     found->side_limit = settings.side_limit;
     found->static_friction = settings.static_friction;
     found->kinetic_friction = settings.kinetic_friction;
@@ -324,13 +356,8 @@ dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, dpt_body
     dpt_body_settings now = { .size = sizeof now };
     DPT_TRY(sized_check(settings, sizeof now, 0));
     const struct body *found = world_find_body(world, body);
-    if (found) {
-        now.unfelt = found->unfelt;
-        now.side_limit = found->side_limit;
-        now.static_friction = found->static_friction;
-        now.kinetic_friction = found->kinetic_friction;
-        now.stiffness = found->stiffness;
-    }
+    if (found)
+        now = settings_of(found);
     sized_write(settings, settings->size, &now, sizeof now);
     return found ? DPT_OK : DPT_E_HANDLE;
 }

@@ -4,6 +4,7 @@
 #include "base/return_if_error.h"
 #include "base/sized.h"
 #include "dynpoint/tip.h"
+#include "insertion/world_channels.h"
 #include "proxy/proxy.h"
 #include "proxy/tip_pose.h"
 #include "track/body_search.h"
@@ -87,6 +88,7 @@ dpt_result dpt_tool_add(dpt_world *world, const dpt_segment *segments, uint32_t 
     made->rotational_stiffness = made->damping = 0.0;
     made->lock_rotation = made->near_only = 0;
     made->closest = 0;
+    made->piercing = DPT_PIERCING_NONE;
     made->shape = NULL;
     made->shape_user = NULL;
     made->law = world->def.law;
@@ -113,6 +115,7 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
     if (!removed)
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     uint32_t end = removed->first_segment + removed->segment_count;
+    dpti_channels_forget_tool(world, removed);
     memmove(&world->segments[removed->first_segment], &world->segments[end],
             (world->segment_count - end) * sizeof *world->segments);
     dpti_body_search_remove(world, removed->first_segment, end);
@@ -215,7 +218,8 @@ dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tip
         return DPT_E_HANDLE;
     for (uint32_t i = 0; i < count; i++)
         DPT_TRY(read_tip(tips, i, &tip));
-    if (count && (found->is_free || (world->def.until == DPT_UNTIL_RESPOND && !dpti_proxy_is_used(world, found))))
+    if (count && (found->is_free || found->piercing ||
+                  (world->def.until == DPT_UNTIL_RESPOND && !dpti_proxy_is_used(world, found))))
         return DPT_E_UNSUPPORTED;
     if (count > world->def.max_tips - (world->tip_count - found->tip_count))
         return DPT_E_FULL;
@@ -330,6 +334,22 @@ static void set_law(struct dpt_world *world, struct tool *tool, uint32_t law)
     dpti_tool_forget(world, tool);
 }
 
+/* Whether a tool with that law can pierce: one thin straight part, led by a proxy. */
+static int can_pierce(const struct dpt_world *world, const struct tool *tool, uint32_t law)
+{
+    const struct segment *segment = &world->segments[tool->first_segment];
+    return world->channels && dpti_proxy_is_of(world, law) && !tool->is_free && tool->segment_count == 1 &&
+           !tool->tip_count && segment->radius > 0.0 && length(sub(segment->b, segment->a)) > 0.0;
+}
+
+static void set_piercing(struct dpt_world *world, struct tool *tool, uint32_t piercing)
+{
+    if (tool->piercing == piercing)
+        return;
+    tool->piercing = piercing;
+    dpti_tool_forget(world, tool);
+}
+
 dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool_settings *given)
 {
     if (!world || !given)
@@ -343,12 +363,15 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
                                    .rotational_stiffness = found->rotational_stiffness,
                                    .damping = found->damping,
                                    .lock_rotation = found->lock_rotation,
-                                   .near_only = found->near_only };
+                                   .near_only = found->near_only,
+                                   .piercing = found->piercing };
     DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
         !dpti_stiffness_is_valid(settings.rotational_stiffness) || !dpti_stiffness_is_valid(settings.damping) ||
-        settings.lock_rotation > 1 || settings.near_only > 1)
+        settings.lock_rotation > 1 || settings.near_only > 1 || settings.piercing > DPT_PIERCING_B || settings.reserved)
         return DPT_E_ARGUMENT;
+    if (settings.piercing && !can_pierce(world, found, settings.law))
+        return DPT_E_UNSUPPORTED;
     if ((found->is_free && found->segment_count > 1 && dpti_proxy_is_of(world, settings.law)) ||
         (found->tip_count && settings.law != found->law))
         return DPT_E_UNSUPPORTED;
@@ -362,6 +385,7 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
     found->has_changed = 1;
     if (found->law != settings.law)
         set_law(world, found, settings.law);
+    set_piercing(world, found, settings.piercing);
     return DPT_OK;
 }
 
@@ -379,6 +403,7 @@ dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool
         now.damping = found->damping;
         now.lock_rotation = found->lock_rotation;
         now.near_only = found->near_only;
+        now.piercing = found->piercing;
     }
     sized_write(settings, settings->size, &now, sizeof now);
     return found ? DPT_OK : DPT_E_HANDLE;

@@ -5,6 +5,7 @@
  */
 #include "base/return_if_error.h"
 #include "base/sized.h"
+#include "insertion/world_channels.h"
 #include "proxy/proxy.h"
 #include "proxy/tool_loads.h"
 #include "track/body_search.h"
@@ -49,7 +50,8 @@ static size_t layout_bytes(const dpt_world_def *def)
                      BYTES_SEGMENT * (uint64_t)def->max_segments + (BYTES_TIP + BYTES_HULL) * (uint64_t)def->max_tips +
                      point_cache_bytes(def) + dpti_backlog_bytes(def) + dpti_persistent_contacts_bytes(def) +
                      dpti_strips_bytes(def) + dpti_proxy_bytes(def) + dpti_loads_bytes(def) +
-                     dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def) + dpti_baseline_bytes(def);
+                     dpti_broad_phase_bytes(def) + dpti_body_search_bytes(def) + dpti_baseline_bytes(def) +
+                     dpti_channels_bytes(def);
     return bytes <= SIZE_MAX ? (size_t)bytes : 0;
 }
 
@@ -78,6 +80,7 @@ static void place_arrays(struct dpt_world *world)
     at = dpti_strips_place(world, at);
     at = dpti_proxy_place(world, at);
     at = dpti_loads_place(world, at);
+    at = dpti_channels_place(world, at);
     at = dpti_broad_phase_place(world, at);
     at = dpti_body_search_place(world, at);
     dpti_baseline_place(world, at);
@@ -128,8 +131,10 @@ dpt_result dpt_world_reset(dpt_world *world)
     if (!world)
         return DPT_E_ARGUMENT;
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
-        if (world->tools[t].slot.used)
+        if (world->tools[t].slot.used) {
             dpti_tool_forget(world, &world->tools[t]);
+            dpti_channels_forget_tool(world, &world->tools[t]);
+        }
     dpti_body_search_forget_planes(world, 0, world->segment_count, DPT_NONE);
     dpti_point_cache_forget(&world->point_cache, DPT_NONE);
     dpti_persistent_contacts_reset(world);

@@ -102,5 +102,5 @@ int dpti_world_def_is_valid(const dpt_world_def *def)
            def->certificate_bytes <= CERTIFICATE_BYTES_MAX && def->margin >= 0.0 &&
            within(def->margin, DPT_COORDINATE_MAX) && def->onset <= def->margin &&
            within(def->onset, DPT_COORDINATE_MAX) && def->max_contacts <= 0xffff && def->smooth_normals <= 1 &&
-           def->max_tips <= 0xffff && strips_are_valid(def);
+           def->max_tips <= 0xffff && def->max_channels <= 0xffff && !def->reserved && strips_are_valid(def);
 }

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "insertion/channel.h"
+
+#include "dynpoint/types.h"
+#include "nearest/bvh.h"
+
+#include <string.h>
+
+enum { CROSSINGS_MAX = 2 * CHANNEL_LAYERS_MAX + 2 };
+
+/* Halvings that find where a ball begins to touch a triangle: what is left of a tool's length is below rounding. */
+enum { HALVINGS = 48 };
+
+/* As a share of the radius, or m for a line: places that are nearer to each other are the same. */
+#define SAME_SHARE 1e-6
+#define SAME_LEAST 1e-9
+
+/* Where the line goes through a triangle. */
+struct crossing {
+    double at;
+    int is_entering;
+    uint32_t triangle;
+    double weight[3];
+};
+
+/* What is found along a line, in ascending order. */
+struct line_search {
+    const struct surface *surface;
+    struct channel *channel;
+    double reach; /* m: so far the line is looked at, the whole body through */
+    double first; /* where the tip touches first */
+    uint32_t crossing_count;
+    struct crossing crossings[CROSSINGS_MAX];
+};
+
+static double same_of(const struct channel *channel)
+{
+    return max_of(SAME_SHARE * channel->radius, SAME_LEAST);
+}
+
+static double distance2_at(const struct line_search *search, const vec3 v[3], double at)
+{
+    pair nearest;
+    point_triangle(along(search->channel->mouth, at, search->channel->axis), v, &nearest);
+    return nearest.distance2;
+}
+
+/* Between a place where the ball touches the triangle and one where it does not: the latter, just beside the border. */
+static double border_between(const struct line_search *search, const vec3 v[3], double touching, double apart)
+{
+    const double radius2 = search->channel->radius * search->channel->radius;
+    for (int i = 0; i < HALVINGS; i++) {
+        const double middle = 0.5 * (touching + apart);
+        if (distance2_at(search, v, middle) <= radius2)
+            touching = middle;
+        else
+            apart = middle;
+    }
+    return apart;
+}
+
+/* The first place from `from` on, by steps of `step` that double, where the ball does not touch. */
+static double apart_beyond(const struct line_search *search, const vec3 v[3], double from, double step)
+{
+    const double radius2 = search->channel->radius * search->channel->radius;
+    double at = from + step;
+    while (distance2_at(search, v, at) <= radius2 && fabs(step) < search->reach) {
+        step *= 2.0;
+        at = from + step;
+    }
+    return at;
+}
+
+/* Put a stretch among the walls; those that it touches become one with it. Without room the farthest is the limit. */
+static void add_wall(struct channel *channel, struct channel_stretch added)
+{
+    uint32_t first = 0, end;
+    while (first < channel->wall_count && channel->walls[first].to < added.from)
+        first++;
+    for (end = first; end < channel->wall_count && channel->walls[end].from <= added.to; end++) {
+        added.from = min_of(added.from, channel->walls[end].from);
+        added.to = max_of(added.to, channel->walls[end].to);
+    }
+    if (end == first && channel->wall_count == CHANNEL_WALLS_MAX) {
+        const double last = first == CHANNEL_WALLS_MAX ? added.from : channel->walls[CHANNEL_WALLS_MAX - 1].from;
+        channel->limit = min_of(channel->limit, last);
+        if (first == CHANNEL_WALLS_MAX)
+            return;
+        channel->wall_count = CHANNEL_WALLS_MAX - 1;
+        end = first;
+    }
+    const uint32_t behind = channel->wall_count - end;
+    memmove(&channel->walls[first + 1], &channel->walls[end], behind * sizeof *channel->walls);
+    channel->walls[first] = added;
+    channel->wall_count = first + 1 + behind;
+}
+
+/* Put a crossing among the others. Where the line meets an edge, each triangle there has the same one. */
+static void add_crossing(struct line_search *search, const struct crossing *added)
+{
+    uint32_t i = search->crossing_count;
+    for (uint32_t k = 0; k < search->crossing_count; k++)
+        if (search->crossings[k].is_entering == added->is_entering &&
+            fabs(search->crossings[k].at - added->at) < same_of(search->channel))
+            return;
+    while (i > 0 && search->crossings[i - 1].at > added->at)
+        i--;
+    if (search->crossing_count == CROSSINGS_MAX) {
+        const double last = i == CROSSINGS_MAX ? added->at : search->crossings[CROSSINGS_MAX - 1].at;
+        search->channel->limit = min_of(search->channel->limit, last);
+        if (i == CROSSINGS_MAX)
+            return;
+        search->crossing_count--;
+    }
+    memmove(&search->crossings[i + 1], &search->crossings[i], (search->crossing_count - i) * sizeof *search->crossings);
+    search->crossings[i] = *added;
+    search->crossing_count++;
+}
+
+static void look_at(struct line_search *search, uint32_t triangle)
+{
+    struct channel *channel = search->channel;
+    vec3 v[3];
+    surface_corners(search->surface, triangle, v);
+    const pair nearest =
+        dpti_triangle_pair(search->surface, triangle, channel->mouth, scaled(channel->axis, search->reach));
+    const double at = nearest.s * search->reach;
+    if (!(nearest.distance2 <= channel->radius * channel->radius))
+        return;
+    if (nearest.distance2 == 0.0) {
+        const vec3 normal = dpti_surface_face_normal(search->surface, triangle);
+        struct crossing crossing = { at, dot(normal, channel->axis) < 0.0, triangle, { 0.0, 0.0, 0.0 } };
+        memcpy(crossing.weight, nearest.weight, sizeof crossing.weight);
+        add_crossing(search, &crossing);
+    }
+    const double step = channel->radius + same_of(channel);
+    const double before = apart_beyond(search, v, at, -step), behind = apart_beyond(search, v, at, step);
+    const struct channel_stretch wall = { border_between(search, v, at, before),
+                                          border_between(search, v, at, behind) };
+    if (wall.from <= channel->length)
+        add_wall(channel, wall);
+    if (wall.from < search->first) {
+        search->first = wall.from;
+        channel->triangle = triangle;
+        memcpy(channel->weight, nearest.weight, sizeof channel->weight);
+    }
+}
+
+/* The stretches between where the line goes in and where it comes out again. */
+static void find_layers(struct line_search *search)
+{
+    struct channel *channel = search->channel;
+    int depth = 0;
+    double from = 0.0;
+    channel->layer_count = 0;
+    for (uint32_t i = 0; i < search->crossing_count; i++) {
+        const struct crossing *crossing = &search->crossings[i];
+        if (crossing->is_entering && depth++ == 0)
+            from = crossing->at;
+        if (crossing->is_entering || depth == 0 || --depth > 0)
+            continue;
+        if (channel->layer_count < CHANNEL_LAYERS_MAX)
+            channel->layers[channel->layer_count++] = (struct channel_stretch){ from, crossing->at };
+        else
+            channel->limit = min_of(channel->limit, from);
+    }
+}
+
+static void find_entry(struct line_search *search)
+{
+    struct channel *channel = search->channel;
+    const struct crossing *first = search->crossings;
+    channel->entry = channel->wall_count ? channel->walls[0].from : 0.0;
+    channel->is_from_inside = search->crossing_count && !first->is_entering;
+    if (!search->crossing_count || !channel->wall_count || first->at > channel->walls[0].to)
+        return;
+    channel->entry = first->at;
+    channel->triangle = first->triangle;
+    memcpy(channel->weight, first->weight, sizeof channel->weight);
+}
+
+int dpti_channel_lay(struct channel *channel, const struct surface *surface, const struct kernel *kernel,
+                     struct work *work)
+{
+    const vec3 centre = scaled(add(surface->box_min, surface->box_max), 0.5);
+    struct line_search search = { .surface = surface, .channel = channel, .first = HUGE_VAL };
+    struct range range;
+    int may_touch;
+    search.reach =
+        max_of(channel->length, length(sub(channel->mouth, centre)) + surface->diagonal) + 2.0 * channel->radius;
+    channel->limit = channel->length;
+    channel->wall_count = channel->open_count = 0;
+    channel->deepest = 0.0;
+    dpti_range_begin(&range, surface, kernel, channel->mouth, scaled(channel->axis, search.reach), channel->radius,
+                     work);
+    for (;;) {
+        const uint32_t triangle = dpti_range_next(&range, &may_touch);
+        if (triangle == DPT_NONE)
+            break;
+        look_at(&search, triangle);
+        work_spend_between(work, 1);
+    }
+    find_layers(&search);
+    find_entry(&search);
+    return !work_is_spent(work);
+}
+
+double dpti_channel_stop(const struct channel *channel, double clearance)
+{
+    const double wall =
+        channel->open_count < channel->wall_count ? channel->walls[channel->open_count].from - clearance : HUGE_VAL;
+    return min_of(channel->limit, wall);
+}
+
+double dpti_channel_inside(const struct channel *channel, double tip)
+{
+    double inside = 0.0;
+    for (uint32_t i = 0; i < channel->layer_count; i++) {
+        const struct channel_stretch *layer = &channel->layers[i];
+        inside += max_of(0.0, min_of(tip, layer->to) - max_of(tip - channel->length, layer->from));
+    }
+    return inside;
+}
+
+double dpti_channel_uncut(const struct channel *channel)
+{
+    for (uint32_t i = 0; i < channel->layer_count; i++)
+        if (channel->deepest < channel->layers[i].to)
+            return max_of(channel->deepest, channel->layers[i].from);
+    return HUGE_VAL;
+}

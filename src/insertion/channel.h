@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * A channel: the hole that a piercing point has made in a body, a straight line fixed in the body's frame.
+ * docs/algorithms/insertion.md.
+ *
+ * Places on the line are lengths in m from the mouth, where the tip was when the first wall ruptured. The tip is the ball of the
+ * tool's radius about the end of its axis. A wall is a stretch of the line in which that ball touches the surface; a
+ * layer is a stretch of the line that is inside.
+ */
+#ifndef DPT_CHANNEL_H
+#define DPT_CHANNEL_H
+
+#include "base/work.h"
+#include "kernel/kernel_ops.h"
+#include "mesh/surface.h"
+
+enum { CHANNEL_WALLS_MAX = 16, CHANNEL_LAYERS_MAX = 8 };
+
+struct channel_stretch {
+    double from, to;
+};
+
+struct channel {
+    uint32_t id;       /* never 0 in use; grows from one to the next */
+    uint32_t body_id;  /* 0: there is no channel here */
+    uint32_t tool_id;  /* that made it */
+    uint32_t triangle; /* place: that of the entry */
+    double weight[3];  /* of its corners, at the entry */
+    vec3 mouth, axis;  /* in the body's frame; the axis is of unit length, into the body */
+    double radius;     /* m: of the tool */
+    double length;     /* m: the line is known that far, at least the tool's length */
+    double entry;      /* where the axis goes through the first wall, or where the tip touches it if it does not */
+    double limit;      /* no tip may go farther: there was no room to note what comes then */
+    double deepest;    /* where the tip has been */
+    uint32_t wall_count, open_count; /* the first `open_count` walls have ruptured */
+    uint32_t layer_count;
+    uint32_t is_from_inside; /* 1: the line comes out first: the mouth is inside, or behind an open sheet */
+    struct channel_stretch walls[CHANNEL_WALLS_MAX];   /* ascending, apart from each other */
+    struct channel_stretch layers[CHANNEL_LAYERS_MAX]; /* likewise */
+};
+
+/*
+ * Find walls and layers along the line from channel->mouth along channel->axis, with channel->radius and ->length, of a
+ * surface that does not deform. No wall is open then. Walls that the tip touches at once are one. A layer begins where the line
+ * goes in and ends where it comes out; where it never comes out, as behind an open sheet, there is none. Returns 0 if the
+ * work was spent before the end.
+ */
+int dpti_channel_lay(struct channel *channel, const struct surface *surface, const struct kernel *kernel,
+                     struct work *work);
+
+/* Where the tip stands before the next wall, `clearance` m from touching it; or at the limit. */
+double dpti_channel_stop(const struct channel *channel, double clearance);
+
+/* m: of the shaft from the tip back that is inside of the body. */
+double dpti_channel_inside(const struct channel *channel, double tip);
+
+/*
+ * The place from which on the tip cuts: the deepest where it has been, or where the next layer begins. HUGE_VAL: it cuts no
+ * more.
+ */
+double dpti_channel_uncut(const struct channel *channel);
+
+#endif

@@ -1,0 +1,419 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+#include "proxy/proxy_channel.h"
+
+#include "proxy/channel_line.h"
+#include "proxy/patch_sides.h"
+#include "proxy/proxy.h"
+#include "proxy/proxy_force.h"
+#include "proxy/proxy_motion.h"
+#include "proxy/proxy_put.h"
+#include "proxy/tool_loads.h"
+
+/* The most times that a motion which comes too near to another body is shortened: first a little, then more. */
+enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
+#define SHORTER_LITTLE 0.9
+#define SHORTER        0.7
+
+/*
+ * As a share of the tool's radius: so far aside of the host's line the lines of its other channels may move. They dent
+ * the tool no more than tissue may (docs/algorithms/tissue.md).
+ */
+#define ASIDE 0.1
+
+/* m: places that are nearer are the same. */
+#define SAME_PLACE 1e-12
+
+static struct channel *channel_in(const struct dpt_world *world, const struct insertion *insertion, uint32_t i)
+{
+    return &world->channels[insertion->in[i].channel];
+}
+
+static const struct body *body_in(const struct dpt_world *world, const struct insertion *insertion, uint32_t i)
+{
+    return dpti_channel_body(world, channel_in(world, insertion, i));
+}
+
+/* The tool is out of its channels, put at its device: bodies leave it no pose on its line. */
+static void lose_channels(struct proxy_tick *tick)
+{
+    dpti_insertion_forget(tick->world, tick->tool);
+    dpti_patches_forget(tick->world, tick->tool);
+    tick->proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
+    dpti_proxy_put_again(tick);
+}
+
+/* A body that was added or teleported may be round it: it is not where the tool is, or the tool loses its channels. */
+static int is_undoubted(struct proxy_tick *tick)
+{
+    struct proxy *proxy = tick->proxy;
+    if (proxy->state != PROXY_DOUBTED)
+        return 1;
+    if (!(dpti_gap_beside(tick->world, tick->tool, &tick->at.frame, tick->clearance) >= tick->min_gap))
+        return 0;
+    proxy->state = PROXY_OUTSIDE;
+    proxy->has_home = 0;
+    return 1;
+}
+
+/* Go with the host, past all other bodies and their motion. */
+static int carry_with_host(struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    struct insertion *insertion = insertion_of(world, tick->tool);
+    const struct body *host = body_in(world, insertion, 0);
+    struct proxy_pose to = tick->at;
+    double free_until;
+    insertion->carried = (struct displacement){ { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
+    if (!tick->is_before)
+        return 1;
+    if (body_has_moved(world, host)) {
+        const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
+        const struct quaternion turned =
+            quaternion_product(quaternion_unit(quaternion_of(host->pose.orientation)),
+                               quaternion_inverse(quaternion_unit(quaternion_of(host->previous_pose.orientation))));
+        const struct quaternion turn =
+            dpti_turn_along(world, tick->tool, &line, quaternion_unit(quaternion_product(turned, tick->at.turn)));
+        to = dpti_pose_on_line(world, tick->tool, &line, insertion->in[0].place, turn);
+        insertion->carried = dpti_proxy_displacement(tick->proxy, &tick->at, &to);
+    }
+    if (!dpti_proxy_sweep(tick, &to, &free_until))
+        return 0;
+    tick->at = to;
+    tick->is_before = 0;
+    return 1;
+}
+
+/* What is added to a place to be the place in another channel, of which the line is one with the host's but for rounding. */
+static double offset_of(const struct channel_line *host, const struct channel_line *line)
+{
+    return dot(sub(host->mouth, line->mouth), line->axis);
+}
+
+/* Bodies that moved have moved the other channels along the line at most. */
+static int is_on_line(const struct proxy_tick *tick, const struct channel_line *host)
+{
+    const struct dpt_world *world = tick->world;
+    struct insertion *insertion = insertion_of(world, tick->tool);
+    const double radius = world->segments[tick->tool->first_segment].radius;
+    const double most = ASIDE * radius + tick->clearance;
+    for (uint32_t i = 1; i < insertion->count; i++) {
+        const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, i));
+        const vec3 at_mouth = cross(sub(line.mouth, host->mouth), host->axis);
+        const double leaning = length(cross(line.axis, host->axis)) * dpti_shaft_length(world, tick->tool);
+        if (!(length(at_mouth) + leaning <= most))
+            return 0;
+        insertion->in[i].place = insertion->in[0].place + offset_of(host, &line);
+    }
+    return 1;
+}
+
+static struct shaft shaft_of(const struct body *body, const struct channel *channel, const struct inserted *in)
+{
+    const struct pierce_law *law = &body->pierce;
+    struct shaft shaft = { .friction = law->shaft_friction,
+                           .viscosity = law->shaft_viscosity,
+                           .stiffness = law->shaft_stiffness,
+                           .inside = dpti_channel_inside(channel, in->anchor),
+                           .anchor = in->anchor,
+                           .last = in->place };
+    if (!(shaft.stiffness > 0.0))
+        shaft.stiffness = max_of(law->shaft_friction, 1.0) / SHAFT_STRETCH;
+    return shaft;
+}
+
+/* What acts along the line of a tool's channels. */
+static struct balance balance_of(const struct proxy_tick *tick, const struct insertion *insertion, double dt)
+{
+    const struct dpt_world *world = tick->world;
+    const struct channel_line host = dpti_channel_line(world, channel_in(world, insertion, 0));
+    const double stiffness = dpti_stiffness_on(tick->tool, body_in(world, insertion, 0));
+    struct balance balance = { .stiffness = stiffness > 0.0 ? stiffness : 1.0,
+                               .device = dpti_device_place(world, tick->tool, &host, tick->device.centre),
+                               .dt = dt,
+                               .count = insertion->count };
+    for (uint32_t i = 0; i < insertion->count; i++) {
+        const struct channel *channel = channel_in(world, insertion, i);
+        const struct body *body = body_in(world, insertion, i);
+        const struct channel_line line = dpti_channel_line(world, channel);
+        balance.parts[i] = (struct balance_part){ .shaft = shaft_of(body, channel, &insertion->in[i]),
+                                                  .offset = i ? offset_of(&host, &line) : 0.0,
+                                                  .uncut = dpti_channel_uncut(channel),
+                                                  .cutting = cutting_force(&body->pierce, channel->radius) };
+    }
+    return balance;
+}
+
+/* The place before the next wall of any channel, and that channel's number. */
+static double stop_of(const struct proxy_tick *tick, const struct insertion *insertion, const struct balance *balance,
+                      uint32_t *number)
+{
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < insertion->count; i++) {
+        const double stop =
+            dpti_channel_stop(channel_in(tick->world, insertion, i), tick->clearance) - balance->parts[i].offset;
+        if (stop < least) {
+            least = stop;
+            *number = i;
+        }
+    }
+    return least;
+}
+
+/* The body that was met last. */
+static void note_stop(const struct proxy_tick *tick, struct insertion *insertion)
+{
+    const struct proxy *proxy = tick->proxy;
+    uint32_t last = 0;
+    for (uint32_t i = 1; i < PROXY_MEMORY; i++)
+        if (proxy->used[i] > proxy->used[last])
+            last = i;
+    insertion->stopped_by = proxy->memory[last].body_id;
+    insertion->stopped_at = proxy->memory[last].triangle;
+}
+
+/* Go along the line towards a place, past all bodies in whose channels the tool is not. Returns where it came. */
+static double go_along(struct proxy_tick *tick, const struct channel_line *line, double from, double to)
+{
+    struct insertion *insertion = insertion_of(tick->world, tick->tool);
+    const struct quaternion turn = tick->at.turn;
+    const struct proxy_pose goal = dpti_pose_on_line(tick->world, tick->tool, line, to, turn);
+    double share;
+    if (to == from)
+        return from;
+    const int is_free = dpti_proxy_sweep(tick, &goal, &share);
+    if (!is_free)
+        note_stop(tick, insertion);
+    for (int k = 0; k < SHORTEN_MAX && share > 0.0; k++) {
+        if (k > 0 || !is_free)
+            share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
+        const double place = from + share * (to - from);
+        const struct proxy_pose at = dpti_pose_on_line(tick->world, tick->tool, line, place, turn);
+        if (!(dpti_gap_beside(tick->world, tick->tool, &at.frame, tick->clearance) >= tick->min_gap))
+            continue;
+        tick->at = at;
+        return place;
+    }
+    return from;
+}
+
+/* The tip has come to a place: what friction and cutting took there. `cutting`: of all channels, N. */
+static void note_forces(struct insertion *insertion, struct balance *balance, double place, double cutting)
+{
+    insertion->energy = 0.0;
+    for (uint32_t i = 0; i < insertion->count; i++) {
+        struct balance_part *part = &balance->parts[i];
+        struct inserted *in = &insertion->in[i];
+        const double at = place + part->offset;
+        in->friction = shaft_resistance(&part->shaft, at, balance->dt);
+        in->tip = at >= part->uncut - SAME_PLACE ? min_of(part->cutting, cutting) : 0.0;
+        cutting -= in->tip;
+        shaft_follow(&part->shaft, at);
+        in->anchor = part->shaft.anchor;
+        in->place = at;
+        insertion->energy += shaft_energy(&part->shaft, at);
+    }
+}
+
+/* A wall stops the tip, which pushes it with insertion->push. */
+static void push_wall(struct proxy_tick *tick, struct insertion *insertion, uint32_t number)
+{
+    struct channel *channel = channel_in(tick->world, insertion, number);
+    const struct body *body = body_in(tick->world, insertion, number);
+    const double stiffness = dpti_stiffness_on(tick->tool, body_in(tick->world, insertion, 0));
+    insertion->in[number].tip = insertion->push;
+    if (channel->open_count == channel->wall_count ||
+        channel->walls[channel->open_count].from - tick->clearance > channel->limit || !(tick->tool->stiffness > 0.0) ||
+        !pierce_law_is_any(&body->pierce) ||
+        !(insertion->push >= rupture_force(&body->pierce, channel->radius, stiffness)))
+        return;
+    channel->open_count++;
+    insertion->is_dropping = 1;
+    tick->proxy->flags |= DPT_FORCE_FLAG_RUPTURE;
+}
+
+/* Leave the channels from which the tip has come out. */
+static void leave_channels(struct proxy_tick *tick, struct insertion *insertion)
+{
+    for (uint32_t i = insertion->count; i-- > 0;)
+        if (insertion->in[i].place <= SAME_PLACE)
+            dpti_insertion_drop(insertion, i);
+    if (!insertion->count)
+        dpti_patches_forget(tick->world, tick->tool);
+}
+
+static void go_to_balance(struct proxy_tick *tick, const struct channel_line *line, double allowed, double dt)
+{
+    struct insertion *insertion = insertion_of(tick->world, tick->tool);
+    struct balance balance = balance_of(tick, insertion, dt);
+    const double from = insertion->in[0].place;
+    uint32_t stopping = 0;
+    double cutting, low = HUGE_VAL;
+    const double wanted = dpti_balance_solve(&balance, &cutting);
+    const double stop = stop_of(tick, insertion, &balance, &stopping);
+    for (uint32_t i = 0; i < insertion->count; i++)
+        low = min_of(low, -balance.parts[i].offset);
+    const double goal = max_of(min_of(wanted, stop), min_of(low, stop));
+    const double to = min_of(max_of(goal, from - allowed), from + allowed);
+    const double place = go_along(tick, line, from, min_of(to, stop));
+    const int is_limited = fabs(goal - to) > SAME_PLACE && fabs(place - to) <= SAME_PLACE;
+    tick->proxy->lag = is_limited ? fabs(goal - to) : 0.0;
+    tick->proxy->last_motion = fabs(place - from);
+    note_forces(insertion, &balance, place, cutting);
+    for (uint32_t i = 0; i < insertion->count; i++) {
+        struct channel *channel = channel_in(tick->world, insertion, i);
+        channel->deepest = max_of(channel->deepest, insertion->in[i].place);
+    }
+    if (insertion->is_dropping)
+        tick->proxy->flags |= DPT_FORCE_FLAG_RUPTURE;
+    insertion->is_dropping = insertion->is_dropping && is_limited;
+    insertion->push = 0.0;
+    if (wanted > place && !is_limited)
+        insertion->push =
+            max_of(0.0, balance.stiffness * (balance.device - place) - dpti_balance_friction(&balance, place));
+    if (place >= stop - SAME_PLACE && !insertion->stopped_by)
+        push_wall(tick, insertion, stopping);
+    leave_channels(tick, insertion);
+}
+
+void dpti_proxy_follow_channel(struct proxy_tick *tick, double allowed, double dt)
+{
+    const struct dpt_world *world = tick->world;
+    struct insertion *insertion = insertion_of(world, tick->tool);
+    tick->is_lost = 1;
+    insertion->stopped_by = 0;
+    if (!is_undoubted(tick) || !carry_with_host(tick)) {
+        lose_channels(tick);
+        return;
+    }
+    const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
+    if (!is_on_line(tick, &line)) {
+        lose_channels(tick);
+        return;
+    }
+    go_to_balance(tick, &line, allowed, dt);
+    dpti_proxy_find_nearest(tick);
+    tick->proxy->owed = 0.0;
+    tick->proxy->flags |= DPT_FORCE_FLAG_INSERTED;
+}
+
+/* What is nearer to the device than where the proxy is: its tip at a hole, and in it as far as it may go. */
+static int is_worth_entering(const struct proxy_tick *tick, const struct channel *channel,
+                             const struct channel_line *line, struct quaternion turn, double allowed, double dt)
+{
+    struct insertion trial = { .count = 1 };
+    double cutting;
+    trial.in[0].channel = (uint32_t)(channel - tick->world->channels);
+    const struct balance balance = balance_of(tick, &trial, dt);
+    const double place =
+        min_of(min_of(dpti_balance_solve(&balance, &cutting), allowed), dpti_channel_stop(channel, tick->clearance));
+    const struct proxy_pose to = dpti_pose_on_line(tick->world, tick->tool, line, max_of(place, 0.0), turn);
+    const struct displacement now = dpti_proxy_displacement(tick->proxy, &tick->device, &tick->at);
+    const struct displacement then = dpti_proxy_displacement(tick->proxy, &tick->device, &to);
+    return place > 0.0 &&
+           displacement_norm(&tick->proxy->coupling, &then) < displacement_norm(&tick->proxy->coupling, &now);
+}
+
+/* The cosine of the largest turn from a tool to the channel that it enters. */
+#define ALIGNED 0.9
+
+/* Whether the tip is at the mouth of a hole, and points along it. */
+static int is_at_mouth(const struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line)
+{
+    const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(tick->world, tick->tool));
+    const vec3 from = sub(tip, line->mouth);
+    const vec3 direction = frame_turn(&tick->at.frame, dpti_tip_direction(tick->world, tick->tool));
+    return dot(direction, line->axis) >= ALIGNED && length(cross(from, line->axis)) <= channel->radius &&
+           fabs(dot(from, line->axis)) <= 2.0 * channel->radius;
+}
+
+/* Go to the mouth of a hole, and in. */
+static int enter(struct proxy_tick *tick, const struct channel *channel, double allowed, double dt)
+{
+    const struct channel_line line = dpti_channel_line(tick->world, channel);
+    if (!is_at_mouth(tick, channel, &line))
+        return 0;
+    const struct proxy_pose from = tick->at;
+    const struct quaternion turn = dpti_turn_along(tick->world, tick->tool, &line, from.turn);
+    const struct proxy_pose mouth = dpti_pose_on_line(tick->world, tick->tool, &line, 0.0, turn);
+    const struct displacement way = dpti_proxy_displacement(tick->proxy, &from, &mouth);
+    const double rest = allowed - displacement_norm(&tick->proxy->coupling, &way);
+    double met;
+    if (!(rest > 0.0) || !is_worth_entering(tick, channel, &line, turn, rest, dt))
+        return 0;
+    if (dpti_proxy_move(tick, &mouth, &met) < 1.0) {
+        tick->at = from;
+        dpti_proxy_find_nearest(tick);
+        return 0;
+    }
+    dpti_insertion_add(tick->world, tick->tool, channel, 0.0);
+    dpti_patches_forget(tick->world, tick->tool);
+    dpti_proxy_forget_triangles(tick->proxy, channel->body_id);
+    tick->proxy->is_behind |= dpti_channel_body(tick->world, channel)->stiffness > 0.0;
+    dpti_proxy_follow_channel(tick, rest, dt);
+    return 1;
+}
+
+int dpti_proxy_enter_channel(struct proxy_tick *tick, double allowed, double dt)
+{
+    const struct dpt_world *world = tick->world;
+    if (!tick->tool->piercing || tick->tool->is_free || tick->proxy->state != PROXY_OUTSIDE || tick->is_before ||
+        tick->is_waiting)
+        return 0;
+    for (uint32_t i = 0; i < world->def.max_channels; i++) {
+        const struct channel *channel = &world->channels[i];
+        if (channel->body_id && world_find_tool(world, channel->tool_id) == tick->tool &&
+            enter(tick, channel, allowed, dt))
+            return 1;
+    }
+    return 0;
+}
+
+/* Note where each channel's body is pushed: along the line by what it takes, and all else by the host. */
+static void note_loads(struct proxy_tick *tick, vec3 force)
+{
+    struct dpt_world *world = tick->world;
+    const struct insertion *insertion = insertion_of(world, tick->tool);
+    const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
+    const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tick->tool));
+    struct tool_push push = { .is_narrow = 1, .normal = scaled(line.axis, -1.0) };
+    vec3 rest = force;
+    if (insertion->stopped_by) {
+        push.body_id = insertion->stopped_by;
+        push.triangle = insertion->stopped_at;
+        push.at = along(tip, world->segments[tick->tool->first_segment].radius, line.axis);
+        push.force = scaled(line.axis, insertion->push);
+        rest = sub(rest, push.force);
+        dpti_loads_note_push(world, tick->tool, &push);
+    }
+    for (uint32_t i = insertion->count; i-- > 0;) {
+        const struct inserted *in = &insertion->in[i];
+        const struct channel *channel = channel_in(world, insertion, i);
+        push.body_id = channel->body_id;
+        push.triangle = channel->triangle;
+        push.at = along(tip, -0.5 * min_of(dpti_channel_inside(channel, in->place), in->place), line.axis);
+        push.force = i ? scaled(line.axis, in->friction + in->tip) : rest;
+        rest = sub(rest, push.force);
+        dpti_loads_note_push(world, tick->tool, &push);
+    }
+}
+
+void dpti_proxy_feel_channel(struct proxy_tick *tick)
+{
+    struct proxy *proxy = tick->proxy;
+    const struct dpt_world *world = tick->world;
+    const struct insertion *insertion = insertion_of(world, tick->tool);
+    const struct body *host = body_in(world, insertion, 0);
+    const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
+    const double k = tick->tool->stiffness;
+    const struct displacement away = dpti_proxy_displacement(proxy, &tick->device, &tick->at);
+    const struct displacement pulled = dpti_proxy_pulled(&away);
+    const double yielded = host->stiffness > 0.0 ? dot(pulled.shift, line.axis) * (k / (k + host->stiffness)) : 0.0;
+    memset(&proxy->yielded, 0, sizeof proxy->yielded);
+    proxy->yielded.shift = scaled(line.axis, yielded);
+    proxy->yielded_energy = 0.5 * host->stiffness * yielded * yielded + insertion->energy;
+    const struct displacement felt = displacement_sum(&pulled, -1.0, &proxy->yielded);
+    const struct displacement mean = displacement_sum(&felt, 1.0, &proxy->felt);
+    proxy->body_work = 0.5 * k * displacement_dot(&proxy->coupling, &mean, &insertion->carried);
+    if (k > 0.0 && proxy->state == PROXY_OUTSIDE)
+        note_loads(tick, scaled(felt.shift, -k));
+}

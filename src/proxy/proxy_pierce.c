@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where channels begin: a wall that ruptures before the tip, or a tool that is put in. */
+#include "proxy/proxy_channel.h"
+
+#include "proxy/channel_line.h"
+#include "proxy/patch_sides.h"
+#include "proxy/proxy.h"
+#include "track/tool_parts.h"
+
+/*
+ * As a multiple of the clearance: a wall touches the tip that begins so near before it. A tip is held at the clearance from
+ * the surface, which is as far along its axis as that leans.
+ */
+#define TOUCHING 4.0
+
+/* N: the tip's push along its axis, in the open or in channels. */
+static double push_of(const struct proxy_tick *tick)
+{
+    const struct proxy *proxy = tick->proxy;
+    if (tool_is_inserted(tick->world, tick->tool))
+        return insertion_of(tick->world, tick->tool)->push;
+    const vec3 direction = frame_turn(&tick->at.frame, dpti_tip_direction(tick->world, tick->tool));
+    const struct displacement away = dpti_proxy_displacement(proxy, &tick->device, &tick->at);
+    const struct displacement pulled = dpti_proxy_pulled(&away);
+    return -tick->tool->stiffness * dot(sub(pulled.shift, proxy->yielded.shift), direction);
+}
+
+/* Whether the tip may touch a body that can be pierced, and that it is not in. */
+static int may_pierce(const struct proxy_tick *tick, uint32_t slot, vec3 tip)
+{
+    const struct dpt_world *world = tick->world;
+    const struct body *body = &world->bodies[slot];
+    const struct box box = box_of_axis(tip, tip);
+    const double radius = world->segments[tick->tool->first_segment].radius;
+    return body_is_there(body) && pierce_law_is_any(&body->pierce) &&
+           box_distance(&box, &world->boxes[slot]) <= radius + TOUCHING * tick->clearance &&
+           !dpti_is_inserted_in(world, tick->tool, body->id);
+}
+
+/* Lay a channel from where a point in the world is, along the tool's axis. Returns 0 if a budget ended the search. */
+static int lay(struct dpt_world *world, const struct tool *tool, const struct frame *frame, const struct body *body,
+               vec3 mouth, double length, struct channel *channel)
+{
+    memset(channel, 0, sizeof *channel);
+    channel->mouth = frame_to_local(&body->frame, mouth);
+    channel->axis = unit_of(frame_turn_back(&body->frame, frame_turn(frame, dpti_tip_direction(world, tool))));
+    channel->radius = world->segments[tool->first_segment].radius;
+    channel->length = length;
+    return dpti_channel_lay(channel, &body->surface, &world->kernel, &world->work);
+}
+
+/* The tip pushes a body: if it touches it and its wall ruptures, a channel begins there. Returns 1 then. */
+static int pierce(struct proxy_tick *tick, const struct body *body, double push)
+{
+    struct dpt_world *world = tick->world;
+    const struct tool *tool = tick->tool;
+    struct insertion *insertion = insertion_of(world, tool);
+    const double radius = world->segments[tool->first_segment].radius;
+    const struct channel *first = insertion->count ? &world->channels[insertion->in[0].channel] : NULL;
+    const double stiffness = dpti_stiffness_on(tool, first ? dpti_channel_body(world, first) : body);
+    if (!(push >= rupture_force(&body->pierce, radius, stiffness)))
+        return 0;
+    struct channel found, *channel = dpti_channel_free(world);
+    const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
+    if (!lay(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), &found) || !found.wall_count ||
+        !(found.walls[0].from > 0.0 && found.walls[0].from <= TOUCHING * tick->clearance))
+        return 0;
+    if (!channel || insertion->count == INSERTION_CHANNELS_MAX) {
+        tick->proxy->flags |= DPT_FORCE_FLAG_CHANNELS_FULL;
+        return 0;
+    }
+    *channel = found;
+    channel->open_count = 1;
+    dpti_channel_open(world, channel, body, tool);
+    dpti_insertion_add(world, tool, channel, 0.0);
+    insertion->is_dropping = 1;
+    dpti_proxy_forget_triangles(tick->proxy, body->id);
+    dpti_patches_forget(world, tool);
+    tick->proxy->is_behind |= body->stiffness > 0.0;
+    tick->proxy->flags |= DPT_FORCE_FLAG_RUPTURE;
+    return 1;
+}
+
+void dpti_proxy_pierce(struct proxy_tick *tick)
+{
+    const struct dpt_world *world = tick->world;
+    const struct tool *tool = tick->tool;
+    if (!tool->piercing || tool->is_free || tick->proxy->state != PROXY_OUTSIDE || tick->is_waiting || tick->is_before)
+        return;
+    const double push = push_of(tick);
+    if (!(push > 0.0))
+        return;
+    const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
+    for (uint32_t slot = 0; slot < world->body_slot_end; slot++)
+        if (may_pierce(tick, slot, tip) && pierce(tick, &world->bodies[slot], push))
+            return;
+}
+
+/* The mouth is moved along the line by `way`. */
+static void move_mouth(struct channel *channel, double way)
+{
+    channel->mouth = along(channel->mouth, way, channel->axis);
+    channel->entry -= way;
+    channel->limit -= way;
+    for (uint32_t i = 0; i < channel->wall_count; i++) {
+        channel->walls[i].from -= way;
+        channel->walls[i].to -= way;
+    }
+    for (uint32_t i = 0; i < channel->layer_count; i++) {
+        channel->layers[i].from -= way;
+        channel->layers[i].to -= way;
+    }
+}
+
+/* A channel of a tool that is put in, from its rear end on. */
+struct put_channel {
+    struct channel channel;
+    const struct body *body;
+    double from; /* of its mouth, from the rear end */
+};
+
+/* Lay the channel of one body. Returns 0 if the tool does not go into it. */
+static int lay_through(struct dpt_world *world, const struct tool *tool, const struct frame *frame,
+                       const struct body *body, struct put_channel *put, dpt_result *result)
+{
+    const double length = dpti_shaft_length(world, tool), clearance = dpti_proxy_clearance(world);
+    const vec3 rear = along(frame_to_world(frame, dpti_tip_point(world, tool)), -length,
+                            frame_turn(frame, dpti_tip_direction(world, tool)));
+    struct channel *channel = &put->channel;
+    lay(world, tool, frame, body, rear, 2.0 * length, channel);
+    while (channel->open_count < channel->wall_count && channel->walls[channel->open_count].from <= length)
+        channel->open_count++;
+    if (!channel->open_count)
+        return 0;
+    put->body = body;
+    put->from = channel->walls[0].from - clearance;
+    if (!(put->from > 0.0) || channel->is_from_inside || channel->limit < length)
+        *result = DPT_E_ARGUMENT;
+    channel->length = length;
+    move_mouth(channel, put->from);
+    channel->limit = min_of(channel->limit, length);
+    channel->deepest = length - put->from;
+    return 1;
+}
+
+/* The tool is in channels that are laid, the outermost first. */
+static void put_in(struct dpt_world *world, struct tool *tool, struct put_channel *puts, uint32_t count)
+{
+    struct proxy *proxy = proxy_of(world, tool);
+    for (; count; count--) {
+        struct put_channel *first = puts;
+        for (uint32_t i = 1; i < count; i++)
+            if (puts[i].from < first->from)
+                first = &puts[i];
+        struct channel *channel = dpti_channel_free(world);
+        *channel = first->channel;
+        dpti_channel_open(world, channel, first->body, tool);
+        dpti_insertion_add(world, tool, channel, channel->deepest);
+        *first = puts[count - 1];
+    }
+    proxy->pose = proxy->device_pose = tool->pose;
+    proxy->state = PROXY_OUTSIDE;
+    proxy->tick = world->ticks;
+    proxy->body_path = world_body_path(world);
+    proxy->trust = HUGE_VAL;
+    tool->has_changed = 1;
+}
+
+/* Undo that. */
+static void take_out(struct dpt_world *world, struct tool *tool)
+{
+    struct insertion *insertion = insertion_of(world, tool);
+    for (uint32_t i = 0; i < insertion->count; i++)
+        memset(&world->channels[insertion->in[i].channel], 0, sizeof *world->channels);
+    dpti_proxy_forget(world, tool);
+}
+
+static uint32_t free_channels(const struct dpt_world *world)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < world->def.max_channels; i++)
+        count += !world->channels[i].body_id;
+    return count;
+}
+
+dpt_result dpti_proxy_insert(struct dpt_world *world, struct tool *tool)
+{
+    struct put_channel puts[INSERTION_CHANNELS_MAX + 1];
+    const struct frame frame = tool_device_frame(tool);
+    const struct segment *segment = &world->segments[tool->first_segment];
+    const struct box box = box_of_axis(frame_to_world(&frame, segment->a), frame_to_world(&frame, segment->b));
+    uint32_t count = 0;
+    dpt_result result = DPT_OK;
+    const struct work before = world->work;
+    world->work = work_of(WORK_UNLIMITED);
+    for (uint32_t slot = 0; slot < world->body_slot_end && count <= INSERTION_CHANNELS_MAX; slot++) {
+        const struct body *body = &world->bodies[slot];
+        if (body_is_there(body) && pierce_law_is_any(&body->pierce) &&
+            box_distance(&box, &world->boxes[slot]) <= segment->radius)
+            count += (uint32_t)lay_through(world, tool, &frame, body, &puts[count], &result);
+    }
+    if (result == DPT_OK && count == 0)
+        result = DPT_E_ARGUMENT;
+    if (result == DPT_OK && (count > INSERTION_CHANNELS_MAX || count > free_channels(world)))
+        result = DPT_E_FULL;
+    if (result == DPT_OK)
+        put_in(world, tool, puts, count);
+    if (result == DPT_OK && !(dpti_gap_beside(world, tool, &frame, 1.0) >= dpti_proxy_clearance(world))) {
+        take_out(world, tool);
+        result = DPT_E_ARGUMENT;
+    }
+    world->work = before;
+    return result;
+}
