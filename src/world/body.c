@@ -327,7 +327,7 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
     if (!found)
         return DPT_E_HANDLE;
     dpt_body_settings settings = settings_of(found);
-    DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
+    DPT_TRY(sized_read(given, SIZED_FIRST(dpt_body_settings, puncture_force), &settings, sizeof settings));
     const struct pierce_law pierce = { settings.puncture_force, settings.toughness,       settings.cutting_force,
                                        settings.shaft_friction, settings.shaft_viscosity, settings.shaft_stiffness };
     if (settings.unfelt > 1 || !dpti_side_limit_is_valid(settings.side_limit) ||
@@ -354,7 +354,7 @@ dpt_result dpt_body_get_settings(const dpt_world *world, dpt_body body, dpt_body
     if (!world || !settings)
         return DPT_E_ARGUMENT;
     dpt_body_settings now = { .size = sizeof now };
-    DPT_TRY(sized_check(settings, sizeof now, 0));
+    DPT_TRY(sized_check(settings, SIZED_FIRST(dpt_body_settings, puncture_force), 0));
     const struct body *found = world_find_body(world, body);
     if (found)
         now = settings_of(found);

@@ -365,7 +365,7 @@ dpt_result dpt_tool_set_settings(dpt_world *world, dpt_tool tool, const dpt_tool
                                    .lock_rotation = found->lock_rotation,
                                    .near_only = found->near_only,
                                    .piercing = found->piercing };
-    DPT_TRY(sized_read(given, sizeof settings, &settings, sizeof settings));
+    DPT_TRY(sized_read(given, SIZED_FIRST(dpt_tool_settings, piercing), &settings, sizeof settings));
     if (!dpti_law_is_valid(settings.law) || !dpti_stiffness_is_valid(settings.stiffness) ||
         !dpti_stiffness_is_valid(settings.rotational_stiffness) || !dpti_stiffness_is_valid(settings.damping) ||
         settings.lock_rotation > 1 || settings.near_only > 1 || settings.piercing > DPT_PIERCING_B || settings.reserved)
@@ -394,7 +394,7 @@ dpt_result dpt_tool_get_settings(const dpt_world *world, dpt_tool tool, dpt_tool
     if (!world || !settings)
         return DPT_E_ARGUMENT;
     dpt_tool_settings now = { .size = sizeof now };
-    DPT_TRY(sized_check(settings, sizeof now, 0));
+    DPT_TRY(sized_check(settings, SIZED_FIRST(dpt_tool_settings, piercing), 0));
     const struct tool *found = world_find_tool(world, tool);
     if (found) {
         now.law = found->law;

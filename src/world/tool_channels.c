@@ -42,7 +42,7 @@ dpt_result dpt_tool_get_channels(const dpt_world *world, dpt_tool tool, dpt_chan
         return DPT_E_ARGUMENT;
     *count = 0;
     if (capacity)
-        DPT_TRY(sized_check(channels, sizeof *channels, 0));
+        DPT_TRY(sized_check(channels, sizeof *channels, 1));
     const struct tool *found = world_find_tool(world, tool);
     if (!found)
         return DPT_E_HANDLE;

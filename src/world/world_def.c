@@ -68,7 +68,7 @@ dpt_result dpti_world_def_read(const dpt_world_def *given, dpt_world_def *def, d
         return DPT_E_ARGUMENT;
     dpt_world_def_init(def);
     dpt_baseline_def_init(baseline);
-    DPT_TRY(sized_read(given, sizeof *given, def, sizeof *def));
+    DPT_TRY(sized_read(given, SIZED_FIRST(dpt_world_def, max_channels), def, sizeof *def));
     if (def->baseline)
         DPT_TRY(sized_read(def->baseline, sizeof *baseline, baseline, sizeof *baseline));
     def->baseline = baseline;

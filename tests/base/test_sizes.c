@@ -101,6 +101,34 @@ static dpt_result tool_load(void *out)
     return dpt_tool_get_loads(world, tool, out, 1, &count);
 }
 
+/* Of a needle through the mesh, in a world of its own. */
+static dpt_result channel(void *out)
+{
+    static uint64_t block[1 << 18];
+    const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 10 }, 0.01 };
+    const dpt_body_settings soft = { .size = sizeof soft, .puncture_force = 1.0 };
+    dpt_tool_settings sharp = { .size = sizeof sharp };
+    dpt_pose pose = DPT_POSE_IDENTITY;
+    dpt_world_def def;
+    dpt_world *own;
+    dpt_tool piercing;
+    dpt_body pierced;
+    uint32_t count = 0;
+    dpt_world_def_init(&def);
+    def.max_channels = 1;
+    pose.position[2] = -5.0;
+    if (dpt_world_create(block, sizeof block, &def, &own) != DPT_OK ||
+        dpt_body_add(own, fixture.mesh, NULL, &pierced) != DPT_OK ||
+        dpt_body_set_settings(own, pierced, &soft) != DPT_OK || dpt_tool_add(own, &needle, 1, &piercing) != DPT_OK ||
+        dpt_tool_get_settings(own, piercing, &sharp) != DPT_OK)
+        return DPT_E_MEMORY;
+    sharp.piercing = DPT_PIERCING_B;
+    dpt_tool_set_settings(own, piercing, &sharp);
+    dpt_tool_set_pose(own, piercing, &pose);
+    CHECK(dpt_tool_insert(own, piercing) == DPT_OK, "a needle through the mesh");
+    return dpt_tool_get_channels(own, piercing, out, 1, &count);
+}
+
 static dpt_result sweep(void *out)
 {
     return dpt_tool_get_sweep(world, tool, 0, out);
@@ -204,6 +232,7 @@ static const struct sized outputs[] = {
     { "dpt_hit", sizeof(dpt_hit), sizeof(dpt_hit), hit },
     { "dpt_contact", sizeof(dpt_contact), sizeof(dpt_contact), contact },
     { "dpt_tool_load", sizeof(dpt_tool_load), sizeof(dpt_tool_load), tool_load },
+    { "dpt_channel", sizeof(dpt_channel), sizeof(dpt_channel), channel },
     { "dpt_sweep", sizeof(dpt_sweep), sizeof(dpt_sweep), sweep },
     { "dpt_overlap of a tool", sizeof(dpt_overlap), sizeof(dpt_overlap), tool_overlap },
     { "dpt_overlap", sizeof(dpt_overlap), sizeof(dpt_overlap), overlap },
@@ -212,8 +241,8 @@ static const struct sized outputs[] = {
     { "dpt_coupling", sizeof(dpt_coupling), sizeof(dpt_coupling), coupling },
     { "dpt_passivity", sizeof(dpt_passivity), sizeof(dpt_passivity), passivity },
     { "dpt_passivity_info", sizeof(dpt_passivity_info), sizeof(dpt_passivity_info), passivity_info },
-    { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), body_settings },
-    { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), tool_settings },
+    { "dpt_body_settings", offsetof(dpt_body_settings, puncture_force), sizeof(dpt_body_settings), body_settings },
+    { "dpt_tool_settings", offsetof(dpt_tool_settings, piercing), sizeof(dpt_tool_settings), tool_settings },
     { "dpt_force_info", sizeof(dpt_force_info), sizeof(dpt_force_info), tool_force },
     { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), record_header },
     { "dpt_record", sizeof(dpt_record), sizeof(dpt_record), record },
@@ -393,8 +422,14 @@ static dpt_world_def a_world_def, defaults;
 static dpt_deformable_def a_deform_def;
 static const dpt_strip_def a_strip_def = { sizeof a_strip_def, 64, 0, 0 };
 static const dpt_baseline_def a_baseline_def = { sizeof a_baseline_def, 1, 0, 0 };
-static const dpt_body_settings a_body_settings = { sizeof a_body_settings, 0, 0.01, 0.5, 0.4, 700.0 };
-static const dpt_tool_settings a_tool_settings = { sizeof a_tool_settings, DPT_LAW_POINT, 300.0, 0.0, 0.5, 1, 0 };
+static const dpt_body_settings a_body_settings = { .size = sizeof a_body_settings,
+                                                   .side_limit = 0.01,
+                                                   .static_friction = 0.5,
+                                                   .kinetic_friction = 0.4,
+                                                   .stiffness = 700.0 };
+static const dpt_tool_settings a_tool_settings = {
+    .size = sizeof a_tool_settings, .law = DPT_LAW_POINT, .stiffness = 300.0, .damping = 0.5, .lock_rotation = 1
+};
 static dpt_guard_def a_guard_def;
 static const dpt_query_def a_query_def = { .size = sizeof a_query_def };
 static dpt_shadow a_shadow;
@@ -404,11 +439,14 @@ static const struct {
     struct sized of;
     const void *good;
 } inputs[] = {
-    { { "dpt_world_def", sizeof(dpt_world_def), sizeof(dpt_world_def), world_def }, &a_world_def },
+    { { "dpt_world_def", offsetof(dpt_world_def, max_channels), sizeof(dpt_world_def), world_def }, &a_world_def },
     { { "dpt_baseline_def", sizeof(dpt_baseline_def), sizeof(dpt_baseline_def), baseline_def }, &a_baseline_def },
-    { { "dpt_deformable_def", offsetof(dpt_deformable_def, compliance), sizeof(dpt_deformable_def), deform_def }, &a_deform_def },
-    { { "dpt_body_settings", sizeof(dpt_body_settings), sizeof(dpt_body_settings), set_body }, &a_body_settings },
-    { { "dpt_tool_settings", sizeof(dpt_tool_settings), sizeof(dpt_tool_settings), set_tool }, &a_tool_settings },
+    { { "dpt_deformable_def", offsetof(dpt_deformable_def, compliance), sizeof(dpt_deformable_def), deform_def },
+      &a_deform_def },
+    { { "dpt_body_settings", offsetof(dpt_body_settings, puncture_force), sizeof(dpt_body_settings), set_body },
+      &a_body_settings },
+    { { "dpt_tool_settings", offsetof(dpt_tool_settings, piercing), sizeof(dpt_tool_settings), set_tool },
+      &a_tool_settings },
     { { "dpt_strip_def", sizeof(dpt_strip_def), sizeof(dpt_strip_def), strip_def }, &a_strip_def },
     { { "dpt_guard_def", sizeof(dpt_guard_def), sizeof(dpt_guard_def), guard_def }, &a_guard_def },
     { { "dpt_coupling_def", sizeof(dpt_coupling_def), sizeof(dpt_coupling_def), coupling_def }, &a_coupling_def },

@@ -31,16 +31,19 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_uint64, "certificate_bytes"), (c_double, "margin side_limit fade"),
                   (c_uint32, "max_contacts smooth_normals strip strip_capacity strip_search law"),
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"),
-                  (c_double, "onset"), (c_uint32, "sweep_budget reserved"))
+                  (c_double, "onset"), (c_uint32, "sweep_budget max_tips max_channels reserved"))
 Step = struct("dpt_step", (c_uint32, "size status contact work"), (c_double, "distance"),
               (c_uint32, "contacts flags"))
 ToolSettings = struct("dpt_tool_settings", (c_uint32, "size law"),
-                      (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation near_only"))
+                      (c_double, "stiffness rotational_stiffness damping"), (c_uint32, "lock_rotation near_only piercing reserved"))
 BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
-                      (c_double, "side_limit static_friction kinetic_friction stiffness"))
+                      (c_double, "side_limit static_friction kinetic_friction stiffness puncture_force toughness"
+                                  " cutting_force shaft_friction shaft_viscosity shaft_stiffness"))
 ForceInfo = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"), (c_double, "body_work"))
 ToolLoad = struct("dpt_tool_load", (c_uint32, "size body segment contact triangle reserved"), (double3, "point force torque"))
+Channel = struct("dpt_channel", (c_uint32, "size id body triangle flags ruptures"), (double3, "weight entry axis"),
+                 (c_double, "depth deepest inside friction tip"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
                  (c_double, "overlap moment"), (double3, "thrust thrust_moment"), (c_double, "square end_gap_0 end_gap_1"),
@@ -127,7 +130,7 @@ def is_near(number, wanted):
 column = 0 if sizeof(c_void_p) == 8 else 1
 sizes = re.findall(r"SIZE\((\w+), (\d+), (\d+)\)", open(sys.path[0] + "/../abi/layouts.txt").read())
 sizes = {name: int(bytes[column]) for name, *bytes in sizes}
-for kind in (Pose, Segment, Wrench, Hit, ToolLoad, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceInfo,
+for kind in (Pose, Segment, Wrench, Hit, ToolLoad, Channel, Contact, Overlap, WorldDef, Step, ToolSettings, BodySettings, ForceInfo,
              DeformDef, Load, Latest, State, Guard, GuardInfo, CouplingDef, Coupling, PassivityDef, Passivity,
              PassivitySample, PassivityInfo, RecordHeader, Record, Identified, IdentifyResult, CompileDef,
              SpringRegion, SpringDef, MeshSprings, Compiled, Joint, Link, ArmBody, ArmDef):
@@ -239,6 +242,8 @@ for height in (1.2, 1.2, 1.05):  # from the open, where the proxy is known to be
 force, proxy = ForceInfo(size=sizeof(ForceInfo)), Pose()
 check("its force", core.dpt_tool_get_force_info(world, tool, byref(force)) == 0 and force.reason == 0)
 check("its proxy", core.dpt_tool_get_proxy(world, tool, byref(proxy)) == 0)
+check("no channels here", core.dpt_tool_get_channels(world, tool, None, 0, byref(count)) == -9 and count.value == 0)
+check("nor a needle", core.dpt_tool_insert(world, tool) == -9)
 check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 and force.law == 2
       and is_near(force.wrench.force[2], 500 * (proxy.position[2] - 1.05)))
 settings.law = 0  # DPT_LAW_POINT

@@ -195,20 +195,28 @@ static void set_settings(void)
     }
     if (draw_one_in(4))
         settings.stiffness = draw_one_in(8) ? draw_odd_number() : draw_in(0.0, 3000.0);
+    /* These worlds have no room for channels: no body of theirs can be pierced. */
+    if (draw_one_in(8))
+        settings.shaft_friction = draw_in(0.0, 100.0);
+    if (draw_one_in(16))
+        settings.puncture_force = draw_one_in(2) ? draw_odd_number() : draw_in(0.1, 3.0);
+    const uint32_t size = draw_size(offsetof(dpt_body_settings, puncture_force), sizeof settings);
+    const int has_puncture = size >= offsetof(dpt_body_settings, toughness) && settings.puncture_force != 0.0;
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
     may_fail(&codes, !body, DPT_E_HANDLE);
     const void *given = NULL;
     if (!no_settings) {
-        given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings), sizeof settings, sizeof settings,
-                           &codes);
+        given = draw_input(0, &settings, size, offsetof(dpt_body_settings, puncture_force), sizeof settings, &codes);
         may_fail(&codes,
-                 settings.unfelt > 1 || !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
+                 (has_puncture && !(settings.puncture_force >= 0.0 && settings.puncture_force <= 1e6)) ||
+                     settings.unfelt > 1 || !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
                      !(settings.side_limit >= 0.0 && settings.side_limit <= DPT_COORDINATE_MAX) ||
                      !(settings.kinetic_friction >= 0.0 && settings.static_friction <= 10.0 &&
                        settings.kinetic_friction <= settings.static_friction),
                  DPT_E_ARGUMENT);
+        may_fail(&codes, has_puncture, DPT_E_UNSUPPORTED);
     }
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
     EACH_WORLD(scene, i)
@@ -233,13 +241,13 @@ static void get_settings(void)
     const struct model_body *body = scene_body(scene, id);
     const int no_world = draw_one_in(60), no_out = draw_one_in(60);
     dpt_body_settings now;
-    const uint32_t size = draw_size(sizeof now, sizeof now);
+    const uint32_t size = draw_size(offsetof(dpt_body_settings, puncture_force), sizeof now);
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_out, DPT_E_ARGUMENT);
     may_fail(&codes, !body, DPT_E_HANDLE);
     if (!no_out)
-        size_codes_of_output(size, sizeof now, 0, &codes);
+        size_codes_of_output(size, offsetof(dpt_body_settings, puncture_force), 0, &codes);
     call_with("scene %llu, id %llx, size %llu", (uint64_t)(scene - scenes), id, size, 0);
     EACH_WORLD(scene, i)
     {

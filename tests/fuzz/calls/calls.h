@@ -222,7 +222,7 @@ struct noun {
 extern const struct noun world_noun, body_noun, tool_noun, step_noun, result_noun, strip_noun, query_noun, mesh_noun,
     arm_noun, compile_noun, guard_noun, device_noun, loop_noun, name_noun, trial_noun, selftest_noun, proxy_noun,
     coupling_noun, passivity_noun, record_noun, identify_noun, deform_noun, node_noun, spring_noun, exchange_noun,
-    snapshot_noun, hull_noun, yield_noun;
+    snapshot_noun, hull_noun, yield_noun, needle_noun;
 
 /* ---- what a run must have met, or it tests little ---- */
 

@@ -146,6 +146,35 @@ static void loads(void)
     list(sizeof(dpt_tool_load), 1);
 }
 
+/* These worlds have no room for channels. */
+static void channels(void)
+{
+    struct question of;
+    if (!draw_question(&of))
+        return;
+    const int no_count = draw_one_in(60);
+    uint32_t told[2] = { 77, 77 };
+    dpt_result result = DPT_OK;
+    of.codes.count = 0;
+    may_fail(&of.codes, of.no_world || no_count, DPT_E_ARGUMENT);
+    may_fail(&of.codes, !of.tool, DPT_E_HANDLE);
+    may_fail(&of.codes, 1, DPT_E_UNSUPPORTED);
+    trace(&of, 0);
+    EACH_WORLD(of.scene, i)
+    SAME_RESULT(i, result,
+                RESULT(dpt_tool_get_channels, world_or_null(of.scene, i, of.no_world), of.id, NULL, 0,
+                       no_count ? NULL : &told[i]));
+    expect(result, &of.codes);
+    HOLDS(told[0] == 77 || told[0] == 0, "%u channels", told[0]);
+    EACH_WORLD(of.scene, i)
+    SAME_RESULT(i, result, RESULT(dpt_tool_insert, (dpt_world *)world_or_null(of.scene, i, of.no_world), of.id));
+    of.codes.count = 0;
+    may_fail(&of.codes, of.no_world, DPT_E_ARGUMENT);
+    may_fail(&of.codes, !of.tool, DPT_E_HANDLE);
+    may_fail(&of.codes, 1, DPT_E_UNSUPPORTED);
+    expect(result, &of.codes);
+}
+
 static void sweep(void)
 {
     struct question of;
@@ -305,10 +334,10 @@ static void force_report(void)
     report_must_hold(of.scene, of.tool, &now);
 }
 
-static const struct move moves[] = { { "hit", hit, 14 },      { "contacts", contacts, 8 },
-                                     { "sweep", sweep, 6 },   { "strip", strip, 8 },
-                                     { "wrench", wrench, 8 }, { "force report", force_report, 4 },
-                                     { "loads", loads, 6 },   { "body wrench", body_wrench, 6 },
-                                     { NULL, NULL, 0 } };
+static const struct move moves[] = { { "hit", hit, 14 },          { "contacts", contacts, 8 },
+                                     { "sweep", sweep, 6 },       { "strip", strip, 8 },
+                                     { "wrench", wrench, 8 },     { "force report", force_report, 4 },
+                                     { "loads", loads, 6 },       { "body wrench", body_wrench, 6 },
+                                     { "channels", channels, 3 }, { NULL, NULL, 0 } };
 
 const struct noun result_noun = { "result", NULL, NULL, moves };

@@ -17,10 +17,11 @@
 enum { GAME_CALLS = 2000, MOVES_MAX = 180, TWICE_IN = 16 };
 
 static const struct noun *const nouns[] = {
-    &world_noun,  &body_noun, &tool_noun,    &step_noun,     &result_noun,   &strip_noun,     &query_noun,
-    &mesh_noun,   &arm_noun,  &compile_noun, &guard_noun,    &coupling_noun, &passivity_noun, &device_noun,
-    &loop_noun,   &name_noun, &trial_noun,   &selftest_noun, &proxy_noun,    &record_noun,    &identify_noun,
-    &deform_noun, &node_noun, &spring_noun,  &exchange_noun, &snapshot_noun, &hull_noun,      &yield_noun
+    &world_noun,     &body_noun,     &tool_noun,     &step_noun,    &result_noun, &strip_noun,
+    &query_noun,     &mesh_noun,     &arm_noun,      &compile_noun, &guard_noun,  &coupling_noun,
+    &passivity_noun, &device_noun,   &loop_noun,     &name_noun,    &trial_noun,  &selftest_noun,
+    &proxy_noun,     &record_noun,   &identify_noun, &deform_noun,  &node_noun,   &spring_noun,
+    &exchange_noun,  &snapshot_noun, &hull_noun,     &yield_noun,   &needle_noun
 };
 enum { NOUNS = sizeof nouns / sizeof *nouns };
 

@@ -253,21 +253,25 @@ static void set_settings(void)
                                                                            : 0u,
                                          .near_only = draw_one_in(60)  ? 2u
                                                       : draw_one_in(3) ? 1u
-                                                                       : 0u };
+                                                                       : 0u,
+                                         /* These worlds have no room for channels: no tool of theirs pierces. */
+                                         .piercing = draw_one_in(30) ? draw_below(4) : 0u };
+    const uint32_t size = draw_size(offsetof(dpt_tool_settings, piercing), sizeof settings);
+    const uint32_t piercing = size >= sizeof settings ? settings.piercing : 0u;
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
     may_fail(&codes, !tool, DPT_E_HANDLE);
     const void *given = NULL;
     if (!no_settings) {
-        given = draw_input(0, &settings, draw_size(sizeof settings, sizeof settings), sizeof settings, sizeof settings,
-                           &codes);
+        given = draw_input(0, &settings, size, offsetof(dpt_tool_settings, piercing), sizeof settings, &codes);
         may_fail(&codes,
                  settings.law > DPT_LAW_PROXY || !(settings.stiffness >= 0.0 && settings.stiffness <= 1e9) ||
                      !(settings.rotational_stiffness >= 0.0 && settings.rotational_stiffness <= 1e9) ||
                      !(settings.damping >= 0.0 && settings.damping <= 1e9) || settings.lock_rotation > 1 ||
-                     settings.near_only > 1,
+                     settings.near_only > 1 || piercing > DPT_PIERCING_B,
                  DPT_E_ARGUMENT);
+        may_fail(&codes, piercing > 0, DPT_E_UNSUPPORTED);
         may_fail(&codes, tool && tool->is_free && tool->count > 1 && has_proxy(scene, settings.law), DPT_E_UNSUPPORTED);
     }
     call_with("scene %llu, id %llx", (uint64_t)(scene - scenes), id, 0, 0);
@@ -299,13 +303,13 @@ static void get_settings(void)
     const struct model_tool *tool = scene_tool(scene, id);
     const int no_world = draw_one_in(60), no_out = draw_one_in(60);
     dpt_tool_settings now;
-    const uint32_t size = draw_size(sizeof now, sizeof now);
+    const uint32_t size = draw_size(offsetof(dpt_tool_settings, piercing), sizeof now);
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_out, DPT_E_ARGUMENT);
     may_fail(&codes, !tool, DPT_E_HANDLE);
     if (!no_out)
-        size_codes_of_output(size, sizeof now, 0, &codes);
+        size_codes_of_output(size, offsetof(dpt_tool_settings, piercing), 0, &codes);
     call_with("scene %llu, id %llx, size %llu", (uint64_t)(scene - scenes), id, size, 0);
     EACH_WORLD(scene, i)
     {

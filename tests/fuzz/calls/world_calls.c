@@ -194,8 +194,8 @@ static void draw_def(const struct scene *scene, struct given_def *of)
     } else {
         of->baseline = (dpt_baseline_def){ .parts = 1 };
     }
-    const uint32_t size = draw_size(sizeof good, sizeof good);
-    of->given = draw_input(DEF_SLOT, &good, size, sizeof good, sizeof good, &of->codes);
+    const uint32_t size = draw_size(offsetof(dpt_world_def, max_channels), sizeof good);
+    of->given = draw_input(DEF_SLOT, &good, size, offsetof(dpt_world_def, max_channels), sizeof good, &of->codes);
     int either;
     may_fail(&of->codes, def_is_wrong(&of->def, &of->baseline, &either), DPT_E_ARGUMENT);
     if (either) {
