@@ -197,7 +197,8 @@ static double go_along(struct proxy_tick *tick, const struct channel_line *line,
 }
 
 /* The tip has come to a place: what friction and cutting took there. `cutting`: of all channels, N. */
-static void note_forces(struct insertion *insertion, struct balance *balance, double place, double cutting)
+static void note_forces(const struct dpt_world *world, struct insertion *insertion, struct balance *balance,
+                        double place, double cutting)
 {
     insertion->energy = 0.0;
     for (uint32_t i = 0; i < insertion->count; i++) {
@@ -209,6 +210,7 @@ static void note_forces(struct insertion *insertion, struct balance *balance, do
         cutting -= in->tip;
         shaft_follow(&part->shaft, at);
         in->anchor = part->shaft.anchor;
+        part->shaft.inside = dpti_channel_inside(channel_in(world, insertion, i), in->anchor);
         in->place = at;
         insertion->energy += shaft_energy(&part->shaft, at);
     }
@@ -258,7 +260,7 @@ static void go_to_balance(struct proxy_tick *tick, const struct channel_line *li
     const int is_limited = fabs(goal - to) > SAME_PLACE && fabs(place - to) <= SAME_PLACE;
     tick->proxy->lag = is_limited ? fabs(goal - to) : 0.0;
     tick->proxy->last_motion = fabs(place - from);
-    note_forces(insertion, &balance, place, cutting);
+    note_forces(tick->world, insertion, &balance, place, cutting);
     for (uint32_t i = 0; i < insertion->count; i++) {
         struct channel *channel = channel_in(tick->world, insertion, i);
         channel->deepest = max_of(channel->deepest, insertion->in[i].place);

@@ -50,6 +50,16 @@ static dpt_result add_tips(struct scene *scene)
     return curved_tips_attach(curved, &scene->tips.shapes, scene->stage.world, scene->stage.tool, &scene->force);
 }
 
+static dpt_result sharpen(const struct scene *scene)
+{
+    dpt_tool_settings settings = { .size = sizeof settings };
+    if (!scene->piercing)
+        return DPT_OK;
+    DPT_TRY(dpt_tool_get_settings(scene->stage.world, scene->stage.tool, &settings));
+    settings.piercing = scene->piercing;
+    return dpt_tool_set_settings(scene->stage.world, scene->stage.tool, &settings);
+}
+
 /* Create the world, with its bodies and its tool. */
 static dpt_result fill_world(struct scene *scene, const dpt_world_def *def)
 {
@@ -58,7 +68,16 @@ static dpt_result fill_world(struct scene *scene, const dpt_world_def *def)
     DPT_TRY(scene_stage_add_bodies(stage, &scene->bodies, &scene->force, scene->physics_rate));
     DPT_TRY(scene_stage_add_tool(stage, scene->segments, scene->segment_count, &scene->force,
                                  scene->device.wrench_dofs < 6));
+    DPT_TRY(sharpen(scene));
     return add_tips(scene);
+}
+
+static int has_pierced(const struct scene_bodies *bodies)
+{
+    for (uint32_t i = 0; i < bodies->count; i++)
+        if (scene_body_is_pierced(&bodies->body[i]))
+            return 1;
+    return 0;
 }
 
 dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget, dpt_host_error *error)
@@ -74,6 +93,7 @@ dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, 
     world.max_tools = 1;
     world.max_segments = scene->segment_count;
     world.max_tips = scene->force.law == DPT_LAW_PROXY ? scene->tips.count : 0;
+    world.max_channels = has_pierced(&scene->bodies) || scene->piercing ? SCENE_CHANNELS : 0;
     world.budget = budget;
     if (scene_bodies_displace(&scene->bodies))
         world.strip = DPT_STRIP_KIND_SHADOW;
@@ -133,6 +153,20 @@ static dpt_result check_law(const struct scene *scene, const struct scene_def *d
     return DPT_OK;
 }
 
+/* Needles go through rigid bodies, in scenes where nothing gives way. */
+static dpt_result check_needle(const struct scene *scene, const struct scene_def *def, dpt_host_error *error)
+{
+    const int has_needle = def->piercing || has_pierced(&scene->bodies);
+    for (uint32_t i = 0; i < scene->bodies.count && has_needle; i++)
+        if (scene_body_is_soft(&scene->bodies.body[i]))
+            return host_refuse(error, DPT_E_UNSUPPORTED,
+                               "%s: bodies[%u] gives way: needles pierce rigid bodies, in scenes of such alone",
+                               def->path, (unsigned)i);
+    if (def->piercing && !(def->radius > 0.0 && def->length > 0.0) && !(def->file && def->file->segment_count))
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: a needle has a length and a radius above 0", def->path);
+    return DPT_OK;
+}
+
 /* The tool's segments, in its own frame. Returns their number, or 0 after filling the error. */
 static uint32_t load_segments(struct scene *scene, const struct scene_def *def, dpt_segment *segments,
                               dpt_host_error *error)
@@ -157,7 +191,7 @@ static uint32_t load_segments(struct scene *scene, const struct scene_def *def, 
     }
     scene->stylus.radius = def->radius;
     segments[0] = scene->stylus;
-    scene->has_stylus = def->tips.count == 0;
+    scene->has_stylus = def->tips.count == 0 && !def->piercing;
     if (!scene->has_stylus)
         segments[0].b[2] = def->length;
     return 1;
@@ -249,6 +283,8 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
                            def->path, names->tool);
     DPT_TRY(load_tool_arm(scene, def, error));
     DPT_TRY(check_law(scene, def, error));
+    DPT_TRY(check_needle(scene, def, error));
+    scene->piercing = def->piercing;
     DPT_TRY(make_tips(scene, def, error));
     DPT_TRY(place_device(scene, def, error));
     scene->segment_count = load_segments(scene, def, scene->segments, error);

@@ -15,8 +15,8 @@
 #include "scene/scene_tips.h"
 #include "scene/tip_shape.h"
 
-/* dpt_world_def.max_contacts of worlds whose contacts are shown, or whose law tells sides by them. */
-enum { SCENE_CONTACTS = 32 };
+/* dpt_world_def.max_contacts of worlds whose contacts are shown, or whose law tells sides by them; max_channels of needles'. */
+enum { SCENE_CONTACTS = 32, SCENE_CHANNELS = 32 };
 
 struct scene {
     const char *command; /* as in scene_def */
@@ -33,10 +33,11 @@ struct scene {
     double physics_rate;                        /* Hz; 0: what is soft is stepped in each tick */
     dpt_segment segments[DPT_ARM_SEGMENTS_MAX]; /* of the tool, in its own frame */
     uint32_t segment_count;
+    uint32_t piercing;         /* the tool's end that does, DPT_PIERCING_...: it is no stylus then */
     struct scene_tips tips;    /* of the tool */
     struct curved_tips curved; /* of them, those that are felt without a proxy */
     struct force_options force;
-    int has_stylus;     /* the tool is the stylus, without tips: free, so that a trace of it can be replayed */
+    int has_stylus; /* the tool is the stylus, without tips, no needle: free, so that a trace of it can be replayed */
     dpt_segment stylus; /* in the scene's frame, as moved last */
     double length;
     double zoom;

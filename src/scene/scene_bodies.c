@@ -156,7 +156,8 @@ dpt_result scene_bodies_of_caller(struct scene_bodies *bodies, const char *path,
         const char *fault = result == DPT_OK ? fault_of(&given) : dpt_result_text(result);
         if (!fault && given.settings) {
             body->settings.size = sizeof body->settings;
-            result = sized_read(given.settings, sizeof body->settings, &body->settings, sizeof body->settings);
+            result = sized_read(given.settings, SIZED_FIRST(dpt_body_settings, puncture_force), &body->settings,
+                                sizeof body->settings);
             fault = result == DPT_OK ? NULL : dpt_result_text(result);
         }
         if (fault)
@@ -324,6 +325,11 @@ int scene_body_is_soft(const struct scene_body *body)
     dpt_mesh_info info = { .size = sizeof info };
     dpt_mesh_get_info(body->mesh, &info);
     return info.springs && !body->is_rigid;
+}
+
+int scene_body_is_pierced(const struct scene_body *body)
+{
+    return body->settings.size && (body->settings.puncture_force > 0.0 || body->settings.toughness > 0.0);
 }
 
 dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world, const struct force_options *options)

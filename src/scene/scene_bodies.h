@@ -55,6 +55,9 @@ struct scene_bodies {
 /* 1 if a body gives way. */
 int scene_body_is_soft(const struct scene_body *body);
 
+/* Whether a needle may pierce a body. */
+int scene_body_is_pierced(const struct scene_body *body);
+
 /* Make the list: of one mesh; of an arm, whose list may be empty. */
 void scene_bodies_of_mesh(struct scene_bodies *bodies, const dpt_mesh *mesh);
 void scene_bodies_of_arm(struct scene_bodies *bodies, const dpt_arm *arm);

@@ -85,6 +85,11 @@ static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
         def->jaw = file->jaw;
     if (takes_file && file->arm)
         def->tool = file->arm;
+    if (takes_file && !def->tips.count)
+        def->piercing = file->piercing;
+    if (def->piercing && def->force.law != DPT_LAW_PROXY)
+        return host_refuse(error, DPT_E_ARGUMENT, "%s: a tool pierces by the law proxy alone (tool.law, %s)", def->path,
+                           names->law);
     if (def->force.law != DPT_LAW_PROXY && !tip_shapes_are_curved(&def->tips))
         return host_refuse(error, DPT_E_ARGUMENT,
                            "%s: tips are felt by the law proxy alone (tool.law, %s), but for curved ones", def->path,

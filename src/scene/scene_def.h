@@ -32,6 +32,7 @@ struct scene_def {
     /* Of the tool, beside its segments. Given as a count above 0; after scene_def_complete those of the file count too. */
     struct tip_shapes tips;
     struct jaw_motion jaw; /* of the arm's tool */
+    uint32_t piercing;     /* of scene_def_complete, from the file: DPT_PIERCING_... */
     struct force_options force;
     /* In place of a scene and of the tool's own segments: those of the caller, which stay until scene_open. Counts of 0: none. */
     const dpt_host_body *bodies;

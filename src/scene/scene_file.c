@@ -84,10 +84,20 @@ static void read_jaw(struct jaw_motion *jaw, struct json_reader *reader, const s
         json_refuse(reader, &at, "needs seconds above 0 with a button");
 }
 
+/* Needles are one straight part. */
+static void read_piercing(struct scene_file *file, struct json_reader *reader, const struct json_value *tool)
+{
+    static const char *const ends[] = { "none", "a", "b", NULL };
+    const struct json_value at = json_member(tool, "piercing");
+    file->piercing = (uint32_t)json_take_word(reader, tool, "piercing", ends, DPT_PIERCING_NONE);
+    if (file->piercing && (file->arm || file->tips.count || file->segment_count > 1))
+        json_refuse(reader, &at, "is for a stylus or one segment, without tips");
+}
+
 static void read_tool(struct scene_file *file, struct json_reader *reader, const struct json_value *at,
                       const char *path)
 {
-    static const char *const keys[] = { "length", "radius", "segments", "arm", "jaw", "tips", "law", NULL };
+    static const char *const keys[] = { "length", "radius", "segments", "arm", "jaw", "tips", "law", "piercing", NULL };
     if (!json_check_object(reader, at, keys))
         return;
     const struct json_value segments = json_member(at, "segments"), arm = json_member(at, "arm"),
@@ -105,6 +115,7 @@ static void read_tool(struct scene_file *file, struct json_reader *reader, const
     if (json_member(at, "jaw").value)
         read_jaw(&file->jaw, reader, at);
     file->law = json_take_word(reader, at, "law", law_names, -1);
+    read_piercing(file, reader, at);
 }
 
 static void read_device(struct scene_file *file, struct json_reader *reader, const struct json_value *at)

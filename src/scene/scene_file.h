@@ -42,7 +42,8 @@ struct scene_file {
     struct jaw_motion jaw;  /* of the arm's tool */
     double length, radius;
     int law;
-    char *device; /* as of --device */
+    uint32_t piercing; /* DPT_PIERCING_..., of a stylus or of one segment */
+    char *device;      /* as of --device */
     double zoom, force_scale, origin[3];
     int has_origin, clutch;
     int has_camera;

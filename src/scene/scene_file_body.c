@@ -77,8 +77,8 @@ static void check_kind(struct json_reader *reader, const struct json_value *at, 
 
 static void read_material(struct scene_file_body *body, struct json_reader *reader, const struct json_value *at)
 {
-    static const char *const keys[] = { "kind",      "young",   "density", "drag",    "viscosity",
-                                        "thickness", "bending", "spacing", "poisson", "regions", NULL };
+    static const char *const keys[] = { "kind",    "young",   "density", "drag",    "viscosity", "thickness",
+                                        "bending", "spacing", "poisson", "regions", NULL };
     static const char *const kinds[] = { "sheet", "volume", NULL };
     dpt_spring_net_def *springs = &body->listed.springs;
     if (!json_check_object(reader, at, keys))
@@ -131,9 +131,9 @@ static void read_physics(struct listed_body *listed, struct json_reader *reader,
 
 static void read_surface(dpt_body_settings *settings, struct json_reader *reader, const struct json_value *at)
 {
-    static const char *const keys[] = {
-        "static_friction", "kinetic_friction", "stiffness", "side_limit", "unfelt", NULL
-    };
+    static const char *const keys[] = { "static_friction", "kinetic_friction", "stiffness",       "side_limit",
+                                        "unfelt",          "puncture_force",   "toughness",       "cutting_force",
+                                        "shaft_friction",  "shaft_viscosity",  "shaft_stiffness", NULL };
     int unfelt = 0;
     if (!json_check_object(reader, at, keys))
         return;
@@ -144,6 +144,12 @@ static void read_surface(dpt_body_settings *settings, struct json_reader *reader
     json_take_number(reader, at, "side_limit", 0.0, DPT_COORDINATE_MAX, &settings->side_limit);
     json_take_flag(reader, at, "unfelt", &unfelt);
     settings->unfelt = (uint32_t)unfelt;
+    json_take_number(reader, at, "puncture_force", 0.0, 1e6, &settings->puncture_force);
+    json_take_number(reader, at, "toughness", 0.0, 1e9, &settings->toughness);
+    json_take_number(reader, at, "cutting_force", 0.0, 1e6, &settings->cutting_force);
+    json_take_number(reader, at, "shaft_friction", 0.0, 1e6, &settings->shaft_friction);
+    json_take_number(reader, at, "shaft_viscosity", 0.0, 1e6, &settings->shaft_viscosity);
+    json_take_number(reader, at, "shaft_stiffness", 0.0, 1e12, &settings->shaft_stiffness);
 }
 
 /* Decimals of the user's own are seldom exact; those of a unit quaternion are taken as they are. */

@@ -82,6 +82,9 @@ enum { KEYS = sizeof keys / sizeof *keys };
 /* A line for the jaws, where their motion was given. */
 #define JAW_KEY "jaw="
 
+/* A line for the end of the tool that pierces, where one does. */
+#define PIERCING_KEY "piercing="
+
 void scene_text_of(struct scene_text *text, const struct scene *scene, const struct scene_def *def)
 {
     memset(text, 0, sizeof *text);
@@ -205,6 +208,8 @@ dpt_result scene_text_write(const struct scene_text *text, const struct scene *s
         tip_shape_write(&scene->tips.shapes.shape[i], line);
         append(&writer, TIP_KEY "%s\n", line);
     }
+    if (scene->piercing)
+        append(&writer, PIERCING_KEY "%u\n", (unsigned)scene->piercing);
     if (scene->tips.motion.is_given)
         append(&writer, JAW_KEY "%.17g:%.17g:%.17g", scene->tips.motion.from, scene->tips.motion.to,
                scene->tips.motion.seconds);
@@ -276,6 +281,19 @@ static int read_jaw_line(struct jaw_motion *motion, const char *line, const char
     return jaw_motion_parse(motion, line + key, end) && !jaw_motion_fault(motion);
 }
 
+/* Returns 0 for the line of an end that is none. */
+static int read_piercing_line(uint32_t *piercing, const char *line, const char *end)
+{
+    const size_t key = sizeof PIERCING_KEY - 1;
+    int64_t count;
+    if ((size_t)(end - line) < key || memcmp(line, PIERCING_KEY, key))
+        return 1;
+    if (parse_int(line + key, end, &count) != end || count < DPT_PIERCING_A || count > DPT_PIERCING_B)
+        return 0;
+    *piercing = (uint32_t)count;
+    return 1;
+}
+
 dpt_result scene_text_read(struct scene_text *text, const char *path, const char *in, dpt_host_error *error)
 {
     memset(text, 0, sizeof *text);
@@ -285,7 +303,8 @@ dpt_result scene_text_read(struct scene_text *text, const char *path, const char
         if (!value)
             return host_refuse(error, DPT_E_SYNTAX, "%s: line %d of its header is not 'key=value'", path, line);
         const size_t length = (size_t)(value - in);
-        int is_good = read_tip_line(&text->tips, in, end) && read_jaw_line(&text->jaw, in, end);
+        int is_good = read_tip_line(&text->tips, in, end) && read_jaw_line(&text->jaw, in, end) &&
+                      read_piercing_line(&text->piercing, in, end);
         for (int i = 0; i < KEYS; i++)
             if (strlen(keys[i].name) == length && !memcmp(keys[i].name, in, length))
                 is_good &= read_value(text, &keys[i], value + 1, end);

@@ -40,6 +40,7 @@ struct scene_text {
     double physics;         /* Hz, of what is soft, by the loop's time; 0: in each tick */
     struct tip_shapes tips; /* of the tool; each has a line of its own */
     struct jaw_motion jaw;
+    uint32_t piercing; /* DPT_PIERCING_... */
 };
 
 /* Of a scene whose world was made. The device's name, the guard's limit and the budget are left to the caller. */

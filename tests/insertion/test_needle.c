@@ -257,6 +257,7 @@ static void jumps_are_ruptures(void)
         int was_flagged = 0, flagged = 0;
         gel.puncture_force = 3;
         gel.stiffness = kind & 1 ? 900 : 0;
+        gel.shaft_stiffness = kind & 1 ? 0 : 8e3;
         needle_open(&needle, &gel, 1);
         needle.rig.dt = kind & 2 ? 1e-4 : 1e-3;
         depth = needle.depth;

@@ -260,6 +260,7 @@ int recording_session_open(struct host_session *session, const char *command, co
                              .radius = text->radius,
                              .tips = text->tips,
                              .jaw = text->jaw,
+                             .piercing = text->piercing,
                              .physics = text->physics,
                              .force = { .stiffness = text->stiffness,
                                         .friction = has_own_friction ? NAN : text->friction,
