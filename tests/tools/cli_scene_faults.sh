@@ -173,6 +173,23 @@ in_surface '.kinetic_friction: must be 0 to 0; it is 0.1' '"kinetic_friction": 0
 in_surface '.stiffness: must be 0 to 1e+09' '"stiffness": -1'
 in_surface '.side_limit: must be 0 to 1e+06' '"side_limit": -1'
 in_surface '.unfelt: must be true or false; it is a text' '"unfelt": "yes"'
+in_surface '.puncture_force: must be 0 to 1e+06' '"puncture_force": -1'
+in_surface '.toughness: must be 0 to 1e+09' '"toughness": 1e10'
+in_surface '.cutting_force: must be 0 to 1e+06' '"cutting_force": -1'
+in_surface '.shaft_friction: must be 0 to 1e+06' '"shaft_friction": -1'
+in_surface '.shaft_viscosity: must be 0 to 1e+06' '"shaft_viscosity": -1'
+in_surface '.shaft_stiffness: must be 0 to 1e+12' '"shaft_stiffness": -1'
+
+# --- Needles.
+in_scene "tool.piercing: 'tip' is none of: none, a, b" '"tool": { "piercing": "tip" }'
+in_scene 'tool.piercing: is for a stylus or one segment, without tips' \
+    '"tool": { "piercing": "a", "segments": [ { "a": [0,0,0], "b": [0,0.1,0], "radius": 0.001 },
+{ "a": [0,0,0], "b": [0.1,0,0], "radius": 0.001 } ] }'
+in_scene 'a tool pierces by the law proxy alone (tool.law, --law)' '"tool": { "piercing": "a", "law": "bed" }'
+in_scene 'a needle has a length and a radius above 0' '"tool": { "piercing": "a", "radius": 0 }'
+wrong ': bodies[1] gives way: needles pierce rigid bodies, in scenes of such alone' \
+    "{ \"bodies\": [ { \"shape\": \"box\", \"surface\": { \"puncture_force\": 1 } },
+{ $square, \"material\": { \"kind\": \"sheet\" } } ] }"
 
 # --- Tool.
 in_scene 'tool: must be an object; it is a text' '"tool": "stylus"'

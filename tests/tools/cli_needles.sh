@@ -1,0 +1,42 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# dynpoint run SCENE.json with a needle: it ruptures a wall, and a recording of it has the same bits again.
+# `sh tests/tools/cli_needles.sh BUILD`.
+. "$(dirname "$0")/cli.sh"
+
+sample=$tests/../docs/samples/needle.json
+run run "$sample" --ticks 1
+if grep -q 'this build reads no scene files' stderr; then
+    skip "needles: no jansson"
+    finish
+fi
+
+# flagged FILE BIT: in how many rows force_flags has it
+flagged()
+{
+    awk -F, -v bit="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == "force_flags") at = i }
+NR > 1 && at && int($at / bit) % 2 { count++ } END { print count + 0 }' "$1"
+}
+
+succeeds 'a needle' run "$sample" --ticks 3000 --record needle.dpr
+succeeds 'as a table' record csv needle.dpr -o needle.csv
+check 'no rupture' test "$(flagged needle.csv 512)" -gt 0
+check 'it is hardly in' test "$(flagged needle.csv 1024)" -gt 500
+succeeds 'its replay' replay needle.dpr
+check "other bits: $(cat stdout)" grep -q ': 3000 ticks, all the same bits$' stdout
+
+# What cannot be pierced, by the same needle, and what can be, by a blunt tool.
+sed '/"puncture_force"/d' "$sample" >hard.json
+sed '/"piercing"/d; s/"radius": 0.0006 }\],/"radius": 0.0006 }]/' "$sample" >blunt.json
+for name in hard blunt; do
+    succeeds "$name" run "$name.json" --ticks 3000 --record "$name.dpr"
+    succeeds "$name as a table" record csv "$name.dpr" -o "$name.csv"
+    check "$name: a rupture" test "$(flagged "$name.csv" 512)" -eq 0
+    check "$name: it is in" test "$(flagged "$name.csv" 1024)" -eq 0
+done
+
+# A header that names no end is refused.
+sed 's/^piercing=1$/piercing=9/' needle.dpr >odd.dpr
+run replay odd.dpr
+check 'an odd header is taken' test "$status" -eq 2
+finish
