@@ -292,27 +292,37 @@ void dpti_proxy_follow_channel(struct proxy_tick *tick, double allowed, double d
         lose_channels(tick);
         return;
     }
+    tick->device = dpti_proxy_device_in_channel(tick->tool, tick->proxy, tick->at.turn);
     go_to_balance(tick, &line, allowed, dt);
     dpti_proxy_find_nearest(tick);
     tick->proxy->owed = 0.0;
     tick->proxy->flags |= DPT_FORCE_FLAG_INSERTED;
 }
 
-/* What is nearer to the device than where the proxy is: its tip at a hole, and in it as far as it may go. */
-static int is_worth_entering(const struct proxy_tick *tick, const struct channel *channel,
-                             const struct channel_line *line, struct quaternion turn, double allowed, double dt)
+/*
+ * Whether the tool, its tip at a hole, comes nearer to the device by going in as far as it may; and what is felt changes by no
+ * more than `allowed` on the way to the mouth. *rest: what is left of that for the way in.
+ */
+static int is_worth_entering(struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line,
+                             const struct proxy_pose *mouth, double allowed, double dt, double *rest)
 {
     struct insertion trial = { .count = 1 };
+    const struct coupling *coupling = &tick->proxy->coupling;
+    const struct proxy_pose device = tick->device;
+    const struct displacement now = dpti_proxy_displacement(tick->proxy, &device, &tick->at);
     double cutting;
     trial.in[0].channel = (uint32_t)(channel - tick->world->channels);
+    tick->device = dpti_proxy_device_in_channel(tick->tool, tick->proxy, mouth->turn);
+    const struct displacement there = dpti_proxy_displacement(tick->proxy, &tick->device, mouth);
+    const struct displacement changed = displacement_sum(&there, -1.0, &now);
     const struct balance balance = balance_of(tick, &trial, dt);
+    *rest = allowed - displacement_norm(coupling, &changed);
     const double place =
-        min_of(min_of(dpti_balance_solve(&balance, &cutting), allowed), dpti_channel_stop(channel, tick->clearance));
-    const struct proxy_pose to = dpti_pose_on_line(tick->world, tick->tool, line, max_of(place, 0.0), turn);
-    const struct displacement now = dpti_proxy_displacement(tick->proxy, &tick->device, &tick->at);
+        min_of(min_of(dpti_balance_solve(&balance, &cutting), *rest), dpti_channel_stop(channel, tick->clearance));
+    const struct proxy_pose to = dpti_pose_on_line(tick->world, tick->tool, line, max_of(place, 0.0), mouth->turn);
     const struct displacement then = dpti_proxy_displacement(tick->proxy, &tick->device, &to);
-    return place > 0.0 &&
-           displacement_norm(&tick->proxy->coupling, &then) < displacement_norm(&tick->proxy->coupling, &now);
+    tick->device = device;
+    return *rest > 0.0 && place > 0.0 && displacement_norm(coupling, &then) < displacement_norm(coupling, &now);
 }
 
 /* The cosine of the largest turn from a tool to the channel that it enters. */
@@ -337,10 +347,8 @@ static int enter(struct proxy_tick *tick, const struct channel *channel, double 
     const struct proxy_pose from = tick->at;
     const struct quaternion turn = dpti_turn_along(tick->world, tick->tool, &line, from.turn);
     const struct proxy_pose mouth = dpti_pose_on_line(tick->world, tick->tool, &line, 0.0, turn);
-    const struct displacement way = dpti_proxy_displacement(tick->proxy, &from, &mouth);
-    const double rest = allowed - displacement_norm(&tick->proxy->coupling, &way);
-    double met;
-    if (!(rest > 0.0) || !is_worth_entering(tick, channel, &line, turn, rest, dt))
+    double met, rest;
+    if (!is_worth_entering(tick, channel, &line, &mouth, allowed, dt, &rest))
         return 0;
     if (dpti_proxy_move(tick, &mouth, &met) < 1.0) {
         tick->at = from;

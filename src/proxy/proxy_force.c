@@ -172,7 +172,9 @@ static void limit_torque(const struct tool *tool, const struct proxy *proxy, vec
 static dpt_wrench wrench_of(struct tool *tool, struct proxy *proxy, double dt)
 {
     const struct proxy_pose at = dpti_proxy_pose_of(proxy, &proxy->pose);
-    const struct proxy_pose device = dpti_proxy_pose_of(proxy, &tool->pose);
+    const struct proxy_pose device = proxy->flags & DPT_FORCE_FLAG_INSERTED
+                                         ? dpti_proxy_device_in_channel(tool, proxy, at.turn)
+                                         : dpti_proxy_pose_of(proxy, &tool->pose);
     const struct displacement away = dpti_proxy_displacement(proxy, &device, &at);
     const struct displacement pulled = dpti_proxy_pulled(&away);
     const struct displacement goal = displacement_sum(&pulled, -1.0, &proxy->yielded);

@@ -129,6 +129,15 @@ struct proxy_pose dpti_proxy_pose_of(const struct proxy *proxy, const dpt_pose *
     return made;
 }
 
+struct proxy_pose dpti_proxy_device_in_channel(const struct tool *tool, const struct proxy *proxy,
+                                               struct quaternion turn)
+{
+    dpt_pose pose = tool->pose;
+    if (tool->lock_rotation)
+        quaternion_store(turn, pose.orientation);
+    return dpti_proxy_pose_of(proxy, &pose);
+}
+
 /* The orientation with this axis, by the least turn from the device's. */
 static struct quaternion turned_to(const struct proxy_pose *device, vec3 axis)
 {

@@ -54,6 +54,13 @@ struct proxy_pose dpti_proxy_spun_as(const struct proxy *proxy, const struct pro
 /* The pose as it is told: a spin that is not felt follows the device. Within a tick it would move ends by rounding. */
 dpt_pose dpti_proxy_told_pose(const struct proxy *proxy);
 
+/*
+ * The device as a proxy in a channel feels it (src/proxy/proxy_channel.h). One that gives no torque (lock_rotation) turns the
+ * tool about the origin of its frame to how the proxy is turned, without being felt.
+ */
+struct proxy_pose dpti_proxy_device_in_channel(const struct tool *tool, const struct proxy *proxy,
+                                               struct quaternion turn);
+
 /* From one pose to another; of a straight tool the least turn between its axes, and the spin beside it. */
 struct displacement dpti_proxy_displacement(const struct proxy *proxy, const struct proxy_pose *from,
                                             const struct proxy_pose *to);

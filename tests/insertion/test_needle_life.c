@@ -131,6 +131,44 @@ static void a_hand_that_goes_aside_pulls_at_the_channel(void)
     needle_close(&needle);
 }
 
+/* A device without torque may turn as it likes: its force is that at the tool's origin, and there is none of a torque alone. */
+static void a_device_without_torque_turns_freely(void)
+{
+    struct needle_rig needle;
+    dpt_tool_settings settings = { .size = sizeof settings };
+    const dpt_body_settings gel = needle_gel();
+    const double x[3] = { 1, 0, 0 };
+    needle_open(&needle, &gel, 2);
+    dpt_tool_get_settings(needle.rig.world, needle.rig.tool, &settings);
+    settings.lock_rotation = 1;
+    CHECK(dpt_tool_set_settings(needle.rig.world, needle.rig.tool, &settings) == DPT_OK, "settings");
+    needle_go(&needle, 0.03, 0.02);
+    const dpt_force_info before = needle.rig.force;
+    const dpt_pose straight = needle.rig.device;
+    CHECK(before.flags == DPT_FORCE_FLAG_INSERTED, "it is not in");
+    for (int i = 0; i <= 200; i++) {
+        dpt_pose turn = DPT_POSE_IDENTITY;
+        pose_orient(&turn, x, 0.01 * i);
+        needle.rig.device = straight;
+        turn_times(turn.orientation, straight.orientation, needle.rig.device.orientation);
+        rig_step(&needle.rig);
+        CHECK(apart(needle.rig.force.wrench.force, before.wrench.force) < 1e-9, "turned by %g rad: %g N more", 0.01 * i,
+              apart(needle.rig.force.wrench.force, before.wrench.force));
+        CHECK(fabs(needle.rig.force.energy - before.energy) < 1e-9, "%g J", needle.rig.force.energy);
+    }
+    /* Out and in again as before. */
+    needle.rig.device = straight;
+    needle_go(&needle, -0.005, 0.02);
+    needle.at[0] += 0.5 * NEEDLE_RADIUS;
+    for (int i = 0; i < 1000; i++) {
+        needle.depth += 1e-5;
+        needle_step(&needle);
+        CHECK(!(needle.rig.force.flags & DPT_FORCE_FLAG_RUPTURE), "a puncture in a hole");
+    }
+    CHECK(needle.rig.force.flags & DPT_FORCE_FLAG_INSERTED, "it does not go in again");
+    needle_close(&needle);
+}
+
 /* Out and in again: through the hole without a puncture, beside it with one. */
 static void a_hole_stays(void)
 {
@@ -373,6 +411,7 @@ int main(void)
     TEST(what_cannot_be_pierced_is_as_before);
     TEST(a_channel_moves_with_its_body);
     TEST(a_hand_that_goes_aside_pulls_at_the_channel);
+    TEST(a_device_without_torque_turns_freely);
     TEST(a_hole_stays);
     TEST(bodies_and_tools_that_go);
     TEST(bodies_that_appear);
