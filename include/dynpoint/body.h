@@ -73,9 +73,9 @@ typedef struct dpt_body_settings {
      * What a piercing tool meets (insertion.h), in worlds with room for channels: elsewhere, and for deformable bodies,
      * a puncture force or toughness above 0 is DPT_E_UNSUPPORTED. With both 0, nothing pierces the body.
      *   puncture_force   N, 0..1e6: a wall ruptures at this force of the tip along its axis. 0: by the toughness; 0
-     *   toughness        J/m2, 0..1e9: what it takes to open the material. Without a puncture force, a wall ruptures where the
-     *                    coupling holds as much as opens the tip's cross-section. To cut on takes it on a width of the
-     *                    tool's diameter; 0
+     *   toughness        J/m2, 0..1e9: what it takes to open the material. Without a puncture force, a wall ruptures
+     *                    where the coupling holds as much as opens the tip's cross-section. To cut on takes it on a
+     *                    width of the tool's diameter; 0
      *   cutting_force    N, 0..1e6, at the tip where it goes deeper than it has been, beside what the toughness gives; 0
      *   shaft_friction   N/m, 0..1e6: along the shaft, at most so much for each metre that is inside; 0
      *   shaft_viscosity  Ns/m2, 0..1e6: likewise, for each m/s; 0

@@ -10,18 +10,19 @@
  *     dpt_tool_set_settings(world, tool, &tool_settings);
  *
  * The tip presses against a wall of the body, as any tool does, until the wall ruptures. From then on the tool is in a
- * channel: a straight hole along its axis, fixed to the body. There it moves along that line alone. Friction holds its shaft,
- * and its tip cuts where it goes deeper than it has been. The far side of the body, and bodies behind it, are further walls.
- * A tool that is drawn out is free again. The hole stays: in it the tip meets no wall and cuts nothing that it has cut. Only
- * the tool that made a hole goes into it, where its tip is within its radius of the mouth and points along the channel.
+ * channel: a straight hole along its axis, fixed to the body. There it moves along that line alone. Friction holds its
+ * shaft, and its tip cuts where it goes deeper than it has been. The far side of the body, and bodies behind it, are
+ * further walls. A tool that is drawn out is free again. The hole stays: in it the tip meets no wall and cuts nothing
+ * that it has cut. Only the tool that made a hole goes into it, where its tip is within its radius of the mouth and
+ * points along the channel.
  *
- * Of a body, what the needle's straight cylinder cuts in walls that have ruptured is open to it, and nothing else. Needles do
- * not bend.
+ * Of a body, what the needle's straight cylinder cuts in walls that have ruptured is open to it, and nothing else.
+ * Needles do not bend.
  *
- * A tool leaves all its channels as by a teleport where bodies move so that its line cannot follow (DPT_FORCE_FLAG_SQUEEZED):
- * another body meets its shaft, or two bodies that it is in move aside of each other by a tenth of its radius. Then it counts
- * as inside until it has been outside. A hole ends with its body, which a teleport of the body ends too, and with its tool.
- * dpt_world_reset closes all holes.
+ * A tool leaves all its channels as by a teleport where bodies move so that its line cannot follow
+ * (DPT_FORCE_FLAG_SQUEEZED): another body meets its shaft, or two bodies that it is in move aside of each other by a
+ * tenth of its radius. Then it counts as inside until it has been outside. A hole ends with its body, which a teleport
+ * of the body ends too, and with its tool. dpt_world_reset closes all holes.
  *
  * Threads: as for the world.
  */
@@ -40,8 +41,8 @@ enum { DPT_CHANNEL_FLAG_OCCUPIED = 1 /* the tool is in it */ };
  *
  *   id         never 0; a later channel has a larger one
  *   body       that it is in
- *   triangle   source number, and `weight` the weights of its corners at the entry, in the order of dpt_mesh_get_triangle;
- *              their sum is 1
+ *   triangle   source number, and `weight` the weights of its corners at the entry, in the order of
+ *              dpt_mesh_get_triangle; their sum is 1
  *   flags      DPT_CHANNEL_FLAG_...
  *   ruptures   walls that are open, from the entry on
  *   entry      where its axis enters the body
@@ -70,8 +71,8 @@ typedef struct dpt_channel {
 } dpt_channel;
 
 /*
- * The channels that a tool has made, also those that it has left, in no stated order. DPT_E_UNSUPPORTED: the world has no room
- * for channels.
+ * The channels that a tool has made, also those that it has left, in no stated order. DPT_E_UNSUPPORTED: the world has
+ * no room for channels.
  *   channels   at most `capacity` are written. channels[0].size must be set. May be NULL if capacity is 0
  *   count      how many there are, which may be more than `capacity`
  */
@@ -79,13 +80,13 @@ DPT_API dpt_result dpt_tool_get_channels(const dpt_world *world, dpt_tool tool, 
                                          uint32_t capacity, uint32_t *count);
 
 /*
- * Put a piercing tool in, where its device is: as if it had been pushed there along its axis, through all walls of bodies that
- * can be pierced. For scenes that begin with a needle in. To be called between steps, where bodies rest.
+ * Put a piercing tool in, where its device is: as if it had been pushed there along its axis, through all walls of
+ * bodies that can be pierced. For scenes that begin with a needle in. To be called between steps, where bodies rest.
  *
- * DPT_E_ARGUMENT: its rear end is inside of a body or behind an open sheet, it touches one that cannot be pierced, it goes into none, or through more
- * walls than a channel has room for (16). DPT_E_FULL: no room for its channels, of which a tool has 6 at most.
- * DPT_E_UNSUPPORTED: the tool does not pierce. After the first two the tool is as after dpt_tool_teleport to where its device
- * is; it is so before it is put in, too.
+ * DPT_E_ARGUMENT: its rear end is inside of a body or behind an open sheet, it touches one that cannot be pierced, it
+ * goes into none, or through more walls than a channel has room for (16). DPT_E_FULL: no room for its channels, of
+ * which a tool has 6 at most. DPT_E_UNSUPPORTED: the tool does not pierce. After the first two the tool is as after
+ * dpt_tool_teleport to where its device is; it is so before it is put in, too.
  */
 DPT_API dpt_result dpt_tool_insert(dpt_world *world, dpt_tool tool);
 

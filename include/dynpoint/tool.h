@@ -91,8 +91,8 @@ typedef struct dpt_tool_settings {
     uint32_t near_only;
     /*
      * DPT_PIERCING_...: the end of its segment with which the tool pierces bodies that can be (insertion.h). For rigid
-     * tools of one segment of a length and radius above 0, without tips and with DPT_LAW_PROXY, in worlds with room for channels; else
-     * DPT_E_UNSUPPORTED. A change takes it out of its channels, as a teleport does; DPT_PIERCING_NONE
+     * tools of one segment of a length and radius above 0, without tips and with DPT_LAW_PROXY, in worlds with room for
+     * channels; else DPT_E_UNSUPPORTED. A change takes it out of its channels, as a teleport does; DPT_PIERCING_NONE
      */
     uint32_t piercing;
     uint32_t reserved; /* 0 */

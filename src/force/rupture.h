@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * When a wall gives way to a tip: docs/algorithms/insertion.md. A tip of radius r that is pressed against it with the force F
- * by a spring of stiffness k holds the energy F^2 / 2k. The wall ruptures at a stated force; or, by its toughness J, where the
- * energy suffices to open the tip's cross-section, J pi r^2.
+ * When a wall gives way to a tip: docs/algorithms/insertion.md. A tip of radius r that is pressed against it with the
+ * force F by a spring of stiffness k holds the energy F^2 / 2k. The wall ruptures at a stated force; or, by its
+ * toughness J, where the energy suffices to open the tip's cross-section, J pi r^2.
  */
 #ifndef DPT_RUPTURE_H
 #define DPT_RUPTURE_H

@@ -3,9 +3,9 @@
  * A channel: the hole that a piercing point has made in a body, a straight line fixed in the body's frame.
  * docs/algorithms/insertion.md.
  *
- * Places on the line are lengths in m from the mouth, where the tip was when the first wall ruptured. The tip is the ball of the
- * tool's radius about the end of its axis. A wall is a stretch of the line in which that ball touches the surface; a
- * layer is a stretch of the line that is inside.
+ * Places on the line are lengths in m from the mouth, where the tip was when the first wall ruptured. The tip is the
+ * ball of the tool's radius about the end of its axis. A wall is a stretch of the line in which that ball touches the
+ * surface; a layer is a stretch of the line that is inside.
  */
 #ifndef DPT_CHANNEL_H
 #define DPT_CHANNEL_H
@@ -41,9 +41,9 @@ struct channel {
 
 /*
  * Find walls and layers along the line from channel->mouth along channel->axis, with channel->radius and ->length, of a
- * surface that does not deform. No wall is open then. Walls that the tip touches at once are one. A layer begins where the line
- * goes in and ends where it comes out; where it never comes out, as behind an open sheet, there is none. Returns 0 if the
- * work was spent before the end.
+ * surface that does not deform. No wall is open then. Walls that the tip touches at once are one. A layer begins where
+ * the line goes in and ends where it comes out; where it never comes out, as behind an open sheet, there is none.
+ * Returns 0 if the work was spent before the end.
  */
 int dpti_channel_lay(struct channel *channel, const struct surface *surface, const struct kernel *kernel,
                      struct work *work);
@@ -55,8 +55,8 @@ double dpti_channel_stop(const struct channel *channel, double clearance);
 double dpti_channel_inside(const struct channel *channel, double tip);
 
 /*
- * The place from which on the tip cuts: the deepest where it has been, or where the next layer begins. HUGE_VAL: it cuts no
- * more.
+ * The place from which on the tip cuts: the deepest where it has been, or where the next layer begins. HUGE_VAL: it
+ * cuts no more.
  */
 double dpti_channel_uncut(const struct channel *channel);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Where the tip of a tool that is in channels comes to rest along them: docs/algorithms/insertion.md. All channels lie on one
- * line. A place, without more, is one in the first of them.
+ * Where the tip of a tool that is in channels comes to rest along them: docs/algorithms/insertion.md. All channels lie
+ * on one line. A place, without more, is one in the first of them.
  */
 #ifndef DPT_SHAFT_BALANCE_H
 #define DPT_SHAFT_BALANCE_H
@@ -34,8 +34,8 @@ struct balance {
 double dpti_balance_friction(const struct balance *balance, double place);
 
 /*
- * The place where the spring's pull is what friction and cutting take. Cutting takes up to its force, and nothing on the way
- * back. *cutting: what it takes there, N. Unique: what resists never falls on the way in.
+ * The place where the spring's pull is what friction and cutting take. Cutting takes up to its force, and nothing on
+ * the way back. *cutting: what it takes there, N. Unique: what resists never falls on the way in.
  */
 double dpti_balance_solve(const struct balance *balance, double *cutting);
 

@@ -83,7 +83,10 @@ static int carry_with_host(struct proxy_tick *tick)
     return 1;
 }
 
-/* What is added to a place to be the place in another channel, of which the line is one with the host's but for rounding. */
+/*
+ * What is added to a place to be the place in another channel, of which the line is one with the host's but for
+ * rounding.
+ */
 static double offset_of(const struct channel_line *host, const struct channel_line *line)
 {
     return dot(sub(host->mouth, line->mouth), line->axis);
@@ -300,8 +303,8 @@ void dpti_proxy_follow_channel(struct proxy_tick *tick, double allowed, double d
 }
 
 /*
- * Whether the tool, its tip at a hole, comes nearer to the device by going in as far as it may; and what is felt changes by no
- * more than `allowed` on the way to the mouth. *rest: what is left of that for the way in.
+ * Whether the tool, its tip at a hole, comes nearer to the device by going in as far as it may; and what is felt
+ * changes by no more than `allowed` on the way to the mouth. *rest: what is left of that for the way in.
  */
 static int is_worth_entering(struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line,
                              const struct proxy_pose *mouth, double allowed, double dt, double *rest)

@@ -8,8 +8,8 @@
 #include "track/tool_parts.h"
 
 /*
- * As a multiple of the clearance: a wall touches the tip that begins so near before it. A tip is held at the clearance from
- * the surface, which is as far along its axis as that leans.
+ * As a multiple of the clearance: a wall touches the tip that begins so near before it. A tip is held at the clearance
+ * from the surface, which is as far along its axis as that leans.
  */
 #define TOUCHING 4.0
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A needle over a box: 0.1 m long, end b its point, and pointing down. The box is 0.12 x 0.1 x 0.08 m with its middle at the
- * origin; its top is at NEEDLE_TOP.
+ * A needle over a box: 0.1 m long, end b its point, and pointing down. The box is 0.12 x 0.1 x 0.08 m with its middle
+ * at the origin; its top is at NEEDLE_TOP.
  */
 #ifndef DPT_TESTS_NEEDLE_RIG_H
 #define DPT_TESTS_NEEDLE_RIG_H

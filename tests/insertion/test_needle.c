@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The forces on a needle against their closed forms (docs/algorithms/insertion.md): the three terms of Okamura, Simone and
- * O'Leary (2004), the toughness from two insertions at one place (Azar and Hayward 2008), the loop of friction, rest, layers,
- * and what an observer of energy sees.
+ * The forces on a needle against their closed forms (docs/algorithms/insertion.md): the three terms of Okamura, Simone
+ * and O'Leary (2004), the toughness from two insertions at one place (Azar and Hayward 2008), the loop of friction,
+ * rest, layers, and what an observer of energy sees.
  */
 #include "insertion/needle_rig.h"
 
@@ -180,7 +180,10 @@ static void nothing_creeps(void)
     needle_close(&needle);
 }
 
-/* Bodies behind each other: the walls rupture in their order, each at its force, and each body has its share of the load. */
+/*
+ * Bodies behind each other: the walls rupture in their order, each at its force, and each body has its share of the
+ * load.
+ */
 static void layers_come_in_order(void)
 {
     struct needle_rig needle;
@@ -244,8 +247,8 @@ static void layers_come_in_order(void)
 }
 
 /*
- * No tick changes the force by more than the law's bound, and where it drops faster than the hand moves that is a rupture.
- * In no tick is more energy stored than the hand has given, so a rupture takes what was held.
+ * No tick changes the force by more than the law's bound, and where it drops faster than the hand moves that is a
+ * rupture. In no tick is more energy stored than the hand has given, so a rupture takes what was held.
  */
 static void jumps_are_ruptures(void)
 {

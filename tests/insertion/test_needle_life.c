@@ -131,7 +131,10 @@ static void a_hand_that_goes_aside_pulls_at_the_channel(void)
     needle_close(&needle);
 }
 
-/* A device without torque may turn as it likes: its force is that at the tool's origin, and there is none of a torque alone. */
+/*
+ * A device without torque may turn as it likes: its force is that at the tool's origin, and there is none of a torque
+ * alone.
+ */
 static void a_device_without_torque_turns_freely(void)
 {
     struct needle_rig needle;
@@ -167,6 +170,29 @@ static void a_device_without_torque_turns_freely(void)
     }
     CHECK(needle.rig.force.flags & DPT_FORCE_FLAG_INSERTED, "it does not go in again");
     needle_close(&needle);
+}
+
+/*
+ * Beside an edge. Within r of the side, the wall that the tip has ruptured goes on all the way down: it is one. Beyond the
+ * edge the axis meets nothing, and the tip ruptures what it touches all the same.
+ */
+static void along_an_edge(void)
+{
+    for (int kind = 0; kind < 2; kind++) {
+        struct needle_rig needle;
+        dpt_body_settings gel = needle_gel();
+        gel.static_friction = gel.kinetic_friction = 10;
+        needle_open(&needle, &gel, 2);
+        needle.at[0] = 0.06 + (kind ? 0.3 : -0.4) * NEEDLE_RADIUS;
+        needle_step(&needle);
+        rig_place(&needle.rig);
+        needle_go(&needle, 0.096, 0.02);
+        const dpt_channel channel = needle_channel(&needle);
+        CHECK(channel.flags & DPT_CHANNEL_FLAG_OCCUPIED && channel.ruptures == 1, "%u walls", channel.ruptures);
+        CHECK(kind ? channel.inside == 0 : fabs(channel.inside - 0.08) < 1e-6, "%g m inside", channel.inside);
+        CHECK(needle_tip(&needle) > 0.085, "it has come to %g", needle_tip(&needle));
+        needle_close(&needle);
+    }
 }
 
 /* Out and in again: through the hole without a puncture, beside it with one. */
@@ -412,6 +438,7 @@ int main(void)
     TEST(a_channel_moves_with_its_body);
     TEST(a_hand_that_goes_aside_pulls_at_the_channel);
     TEST(a_device_without_torque_turns_freely);
+    TEST(along_an_edge);
     TEST(a_hole_stays);
     TEST(bodies_and_tools_that_go);
     TEST(bodies_that_appear);

@@ -4,8 +4,8 @@
  *
  *     test_needle_soak [TICKS = 100000 [SEED = 1]]
  *
- * A hand moves a needle at up to 1 m/s among boxes that can be pierced and a torus and a sheet that cannot, with jumps of up to
- * 0.3 m, teleports, budgets, and bodies that move. After each tick all triangles of all bodies are looked at:
+ * A hand moves a needle at up to 1 m/s among boxes that can be pierced and a torus and a sheet that cannot, with jumps
+ * of up to 0.3 m, teleports, budgets, and bodies that move. After each tick all triangles of all bodies are looked at:
  *
  *   - A body that the needle is in no channel of is not nearer than its radius.
  *   - In a channel the needle is on its line: it never leaves it sideways.

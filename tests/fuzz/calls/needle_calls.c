@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A needle and a body that it may pierce, in a world of its own: settings, steps, jumps, needles put in, bodies that go and
- * come, well and badly. What must hold: codes; wrenches and channels that are finite, of bodies that are there and at most as
- * many as there is room for. What a needle goes through is for test_needle_soak.
+ * A needle and a body that it may pierce, in a world of its own: settings, steps, jumps, needles put in, bodies that go
+ * and come, well and badly. What must hold: codes; wrenches and channels that are finite, of bodies that are there and
+ * at most as many as there is room for. What a needle goes through is for test_needle_soak.
  */
 #include "fuzz/calls/rules.h"
 
