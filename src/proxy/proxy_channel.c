@@ -48,7 +48,8 @@ static int is_undoubted(struct proxy_tick *tick)
     struct proxy *proxy = tick->proxy;
     if (proxy->state != PROXY_DOUBTED)
         return 1;
-    if (!(dpti_gap_beside(tick->world, tick->tool, &tick->at.frame, tick->clearance) >= tick->min_gap))
+    /* Bodies have moved while it was not stepped: nothing of their way is known. */
+    if (!(proxy->gap > -HUGE_VAL) || !(dpti_gap_beside(tick->world, tick->tool, &tick->at.frame, tick->clearance) >= tick->min_gap))
         return 0;
     proxy->state = PROXY_OUTSIDE;
     proxy->has_home = 0;

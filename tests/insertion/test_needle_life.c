@@ -292,6 +292,28 @@ static void bodies_that_appear(void)
     needle_close(&needle);
 }
 
+/* Without a pose of the tool bodies that rest are no matter. What moves then may have gone anywhere. */
+static void ticks_without_a_pose(void)
+{
+    for (int moves = 0; moves < 2; moves++) {
+        struct needle_rig needle;
+        dpt_pose body = DPT_POSE_IDENTITY;
+        open_inside(&needle, 2);
+        CHECK(dpt_tool_set_pose(needle.rig.world, needle.rig.tool, NULL) == DPT_E_ARGUMENT, "no pose");
+        for (int i = 0; i < 3; i++) {
+            body.position[0] += 0.001 * moves;
+            dpt_body_set_pose(needle.rig.world, needle.rig.body, &body);
+            dpt_world_step(needle.rig.world, RIG_DT, NULL);
+        }
+        needle_step(&needle);
+        needle_step(&needle);
+        CHECK((needle.rig.force.reason == DPT_FORCE_INSIDE) == moves, "reason %u", needle.rig.force.reason);
+        CHECK((needle.rig.force.flags & DPT_FORCE_FLAG_INSERTED) == (moves ? 0 : DPT_FORCE_FLAG_INSERTED), "flags %u",
+              needle.rig.force.flags);
+        needle_close(&needle);
+    }
+}
+
 /* The tip meets what is not pierced: a body behind, and one that can be pierced where there is no more room. */
 static void what_stops_a_tip(void)
 {
@@ -442,6 +464,7 @@ int main(void)
     TEST(a_hole_stays);
     TEST(bodies_and_tools_that_go);
     TEST(bodies_that_appear);
+    TEST(ticks_without_a_pose);
     TEST(what_stops_a_tip);
     TEST(a_needle_is_put_in);
     TEST(within_a_budget_it_gets_there);
