@@ -72,14 +72,6 @@ static dpt_result fill_world(struct scene *scene, const dpt_world_def *def)
     return add_tips(scene);
 }
 
-static int has_pierced(const struct scene_bodies *bodies)
-{
-    for (uint32_t i = 0; i < bodies->count; i++)
-        if (scene_body_is_pierced(&bodies->body[i]))
-            return 1;
-    return 0;
-}
-
 dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, uint32_t budget, dpt_host_error *error)
 {
     dpt_world_def world;
@@ -93,7 +85,7 @@ dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, 
     world.max_tools = 1;
     world.max_segments = scene->segment_count;
     world.max_tips = scene->force.law == DPT_LAW_PROXY ? scene->tips.count : 0;
-    world.max_channels = has_pierced(&scene->bodies) || scene->piercing ? SCENE_CHANNELS : 0;
+    world.max_channels = scene->piercing ? SCENE_CHANNELS : scene_bodies_channels(&scene->bodies);
     world.budget = budget;
     if (scene_bodies_displace(&scene->bodies))
         world.strip = DPT_STRIP_KIND_SHADOW;
@@ -156,7 +148,7 @@ static dpt_result check_law(const struct scene *scene, const struct scene_def *d
 /* Needles go through rigid bodies, in scenes where nothing gives way. */
 static dpt_result check_needle(const struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
-    const int has_needle = def->piercing || has_pierced(&scene->bodies);
+    const int has_needle = def->piercing || scene_bodies_channels(&scene->bodies);
     for (uint32_t i = 0; i < scene->bodies.count && has_needle; i++)
         if (scene_body_is_soft(&scene->bodies.body[i]))
             return host_refuse(error, DPT_E_UNSUPPORTED,
@@ -192,8 +184,9 @@ static uint32_t load_segments(struct scene *scene, const struct scene_def *def, 
     scene->stylus.radius = def->radius;
     segments[0] = scene->stylus;
     scene->has_stylus = def->tips.count == 0 && !def->piercing;
+    /* The hand of a listed needle stands upright, as nothing turns it. */
     if (!scene->has_stylus)
-        segments[0].b[2] = def->length;
+        segments[0].b[scene_listed(def->path) && def->piercing ? 1 : 2] = def->length;
     return 1;
 }
 

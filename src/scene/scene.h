@@ -15,8 +15,8 @@
 #include "scene/scene_tips.h"
 #include "scene/tip_shape.h"
 
-/* dpt_world_def.max_contacts of worlds whose contacts are shown, or whose law tells sides by them; max_channels of needles'. */
-enum { SCENE_CONTACTS = 32, SCENE_CHANNELS = 32 };
+/* dpt_world_def.max_contacts of worlds whose contacts are shown, or whose law tells sides by them. */
+enum { SCENE_CONTACTS = 32 };
 
 struct scene {
     const char *command; /* as in scene_def */

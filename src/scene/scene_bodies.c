@@ -44,6 +44,8 @@ static void settle_body(struct scene_body *body, const struct listed_body *liste
         body->settings = (dpt_body_settings){ .size = sizeof body->settings,
                                               .static_friction = listed->friction,
                                               .kinetic_friction = listed->friction };
+    if (listed->surface.size)
+        body->settings = listed->surface;
     body->load_radius = listed->load_radius;
     body->spread = listed->spread;
     body->period = listed->period;
@@ -327,9 +329,14 @@ int scene_body_is_soft(const struct scene_body *body)
     return info.springs && !body->is_rigid;
 }
 
-int scene_body_is_pierced(const struct scene_body *body)
+uint32_t scene_bodies_channels(const struct scene_bodies *bodies)
 {
-    return body->settings.size && (body->settings.puncture_force > 0.0 || body->settings.toughness > 0.0);
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        const dpt_body_settings *settings = &bodies->body[i].settings;
+        if (settings->size && (settings->puncture_force > 0.0 || settings->toughness > 0.0))
+            return SCENE_CHANNELS;
+    }
+    return 0;
 }
 
 dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world, const struct force_options *options)

@@ -55,8 +55,10 @@ struct scene_bodies {
 /* 1 if a body gives way. */
 int scene_body_is_soft(const struct scene_body *body);
 
-/* Whether a needle may pierce a body. */
-int scene_body_is_pierced(const struct scene_body *body);
+enum { SCENE_CHANNELS = 32 };
+
+/* dpt_world_def.max_channels that a world of these bodies needs: some, where a needle may pierce one. */
+uint32_t scene_bodies_channels(const struct scene_bodies *bodies);
 
 /* Make the list: of one mesh; of an arm, whose list may be empty. */
 void scene_bodies_of_mesh(struct scene_bodies *bodies, const dpt_mesh *mesh);

@@ -73,6 +73,7 @@ static double first_given(double a, double b, double otherwise)
 static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
 {
     const struct scene_file *file = def->file;
+    const struct listed_scene *listed = scene_listed(def->path);
     const struct setting_names *names = setting_names_for(def->command);
     const int has_own = file && (file->arm || file->segment_count);
     if (has_own && !def->tool && (!isnan(def->length) || !isnan(def->radius)))
@@ -87,6 +88,8 @@ static dpt_result complete_tool(struct scene_def *def, dpt_host_error *error)
         def->tool = file->arm;
     if (takes_file && !def->tips.count)
         def->piercing = file->piercing;
+    if (listed && listed->is_needle && !def->tool && !def->segment_count && !def->tips.count)
+        def->piercing = DPT_PIERCING_A;
     if (def->piercing && def->force.law != DPT_LAW_PROXY)
         return host_refuse(error, DPT_E_ARGUMENT, "%s: a tool pierces by the law proxy alone (tool.law, %s)", def->path,
                            names->law);

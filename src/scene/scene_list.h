@@ -8,6 +8,7 @@
 
 #include <stddef.h>
 
+#include "dynpoint/body.h"
 #include "dynpoint/compile.h"
 
 enum { LISTED_BODIES_MAX = 8 };
@@ -21,6 +22,7 @@ struct listed_body {
     uint32_t iterations;        /* dpt_springs_def; 0: its default */
     double sleep_speed;         /* dpt_springs_def; 0: its default */
     double friction;            /* where the user gives none */
+    dpt_body_settings surface;  /* beside that; size 0: none */
     double load_radius;         /* dpt_deformable_def, as the user asks for it; 0: none, or `spread` */
     double spread;              /* likewise, where tissue and tool are not solved together; 0: a share of the mesh */
     double period;              /* dpt_deformable_def */
@@ -39,6 +41,7 @@ struct listed_scene {
     double origin[3]; /* of the device, if has_origin; else above the first body */
     int has_origin;
     double length, radius; /* of the stylus, where the user gives none */
+    uint32_t is_needle;    /* 1: it stands upright, and its end a pierces, where the user gives no other tool */
     struct listed_body bodies[LISTED_BODIES_MAX + 1];
 };
 

@@ -25,6 +25,10 @@ check 'it is hardly in' test "$(flagged needle.csv 1024)" -gt 500
 succeeds 'its replay' replay needle.dpr
 check "other bits: $(cat stdout)" grep -q ': 3000 ticks, all the same bits$' stdout
 
+succeeds 'by name' run needle --device 'sim:?hand=press' --ticks 3000 --record name.dpr
+succeeds 'it as a table' record csv name.dpr -o name.csv
+check 'docs/samples/needle.json is the scene needle' cmp -s needle.csv name.csv
+
 # What cannot be pierced, by the same needle, and what can be, by a blunt tool.
 sed '/"puncture_force"/d' "$sample" >hard.json
 sed '/"piercing"/d; s/"radius": 0.0006 }\],/"radius": 0.0006 }]/' "$sample" >blunt.json

@@ -183,6 +183,7 @@ static int measured_open(struct measured *measured, struct measure_run *run, con
     def.max_tools = 1;
     def.max_segments = scene->segment_count;
     def.max_tips = scene->tips.count;
+    def.max_channels = scene_bodies_channels(&scene->bodies);
     def.baseline = &baseline;
     if (choose_physics(measured, run, scene))
         return 2;

@@ -46,7 +46,7 @@ static const char help[] =
     "usage: dynpoint run SCENE|SCENE.json|MESH.dpa|ARM.dpa --device NAME [options]\n"
     "       dynpoint run --plan PLAN.json --device NAME [options]\n"
     "\n"
-    "Feel a scene by name (membrane, cloth, laparoscopy, liver, soft-liver, tori), a scene file\n"
+    "Feel a scene by name (membrane, cloth, laparoscopy, liver, soft-liver, needle, tori), a scene file\n"
     "(docs/scene.md), a mesh, or the scene of an arm, with a haptic device: DRIVER or\n"
     "DRIVER:WHERE, as sim or serial:/dev/ttyACM0. The tool is a stylus, a capsule from the\n"
     "device's point along its z axis, or that of an arm, or of the file. What a file says of tool\n"
