@@ -8,8 +8,9 @@
 
 enum { CROSSINGS_MAX = 2 * CHANNEL_LAYERS_MAX + 2 };
 
-/* Halvings that find where a ball begins to touch a triangle: what is left of a tool's length is below rounding. */
-enum { HALVINGS = 48 };
+/* Steps to where a ball begins to touch a triangle, at most, and m: a shorter one is not made. */
+enum { STEPS_MAX = 24 };
+#define STEP_LEAST 1e-14
 
 /* As a share of the radius, or m for a line: places that are nearer to each other are the same. */
 #define SAME_SHARE 1e-6
@@ -45,16 +46,21 @@ static double distance2_at(const struct line_search *search, const vec3 v[3], do
     return nearest.distance2;
 }
 
-/* Between a place where the ball touches the triangle and one where it does not: the latter, just beside the border. */
-static double border_between(const struct line_search *search, const vec3 v[3], double touching, double apart)
+/*
+ * Where the ball begins to touch a triangle, from a place where it does not, by Newton's method. The distance is convex along
+ * the line, so no step passes the border.
+ */
+static double border_from(const struct line_search *search, const vec3 v[3], double apart)
 {
-    const double radius2 = search->channel->radius * search->channel->radius;
-    for (int i = 0; i < HALVINGS; i++) {
-        const double middle = 0.5 * (touching + apart);
-        if (distance2_at(search, v, middle) <= radius2)
-            touching = middle;
-        else
-            apart = middle;
+    for (int i = 0; i < STEPS_MAX; i++) {
+        pair nearest;
+        point_triangle(along(search->channel->mouth, apart, search->channel->axis), v, &nearest);
+        const double distance = sqrt(nearest.distance2), left = distance - search->channel->radius;
+        const double slope = distance > 0.0 ? dot(nearest.gap, search->channel->axis) / distance : 0.0;
+        const double step = slope != 0.0 ? left / slope : 0.0;
+        if (!(left > 0.0) || !(fabs(step) > STEP_LEAST) || !(fabs(step) < search->reach))
+            break;
+        apart -= step;
     }
     return apart;
 }
@@ -135,8 +141,7 @@ static void look_at(struct line_search *search, uint32_t triangle)
     }
     const double step = channel->radius + same_of(channel);
     const double before = apart_beyond(search, v, at, -step), behind = apart_beyond(search, v, at, step);
-    const struct channel_stretch wall = { border_between(search, v, at, before),
-                                          border_between(search, v, at, behind) };
+    const struct channel_stretch wall = { border_from(search, v, before), border_from(search, v, behind) };
     if (wall.from <= channel->length)
         add_wall(channel, wall);
     if (wall.from < search->first) {

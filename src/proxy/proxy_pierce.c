@@ -25,6 +25,17 @@ static double push_of(const struct proxy_tick *tick)
     return -tick->tool->stiffness * dot(sub(pulled.shift, proxy->yielded.shift), direction);
 }
 
+/* Whether the tip touches a body. */
+static int is_touching(struct dpt_world *world, const struct body *body, vec3 tip, double reach)
+{
+    struct bvh_traversal traversal = { .level = 0 };
+    struct pair_search nearest = { .pair = { .distance2 = reach * reach } };
+    pair_search_begin(&nearest, DPT_NONE);
+    return dpti_point_search(&body->surface, &world->kernel, frame_to_local(&body->frame, tip), &traversal,
+                             &world->work, &nearest) &&
+           nearest.triangle != DPT_NONE;
+}
+
 /* Whether the tip may touch a body that can be pierced, and that it is not in. */
 static int may_pierce(const struct proxy_tick *tick, uint32_t slot, vec3 tip)
 {
@@ -62,7 +73,8 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
         return 0;
     struct channel found, *channel = dpti_channel_free(world);
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
-    if (!lay(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), &found) || !found.wall_count ||
+    if (!is_touching(world, body, tip, radius + TOUCHING * tick->clearance) ||
+        !lay(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), &found) || !found.wall_count ||
         !(found.walls[0].from > 0.0 && found.walls[0].from <= TOUCHING * tick->clearance))
         return 0;
     if (!channel || insertion->count == INSERTION_CHANNELS_MAX) {
