@@ -337,6 +337,39 @@ static void what_stops_a_tip(void)
     }
 }
 
+/* A pile of ten plates of 2 mm, 2 mm apart, has 20 walls: the needle goes through the first 16, and no farther. */
+static void a_line_with_too_many_walls(void)
+{
+    static const uint32_t faces[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+    enum { PLATES = 10 };
+    double corners[24 * PLATES];
+    uint32_t triangles[36 * PLATES];
+    for (int plate = 0; plate < PLATES; plate++) {
+        for (int i = 0; i < 24; i++) {
+            const int k = i % 3, high = i / 3 >> k & 1;
+            corners[24 * plate + i] = k < 2 ? (high ? 0.05 : -0.05) : NEEDLE_TOP - 0.004 * plate - (high ? 0 : 0.002);
+        }
+        for (int i = 0; i < 36; i++)
+            triangles[36 * plate + i] = faces[i] + 8 * (uint32_t)plate;
+    }
+    struct needle_rig needle;
+    struct solid pile;
+    needle_open(&needle, NULL, 1);
+    CHECK(solid_from_arrays(&pile, "pile", corners, 8 * PLATES, triangles, 12 * PLATES), "pile");
+    dpt_body_remove(needle.rig.world, needle.rig.body);
+    needle.rig.body = rig_add_body(&needle.rig, pile.mesh, NULL);
+    rig_set_body(&needle.rig, needle_gel());
+    rig_place(&needle.rig);
+    needle_go(&needle, 0.09, 0.02);
+    const dpt_channel channel = needle_channel(&needle);
+    CHECK(channel.ruptures == 16 && fabs(channel.inside - 0.016) < 1e-6, "%u walls, %g m inside", channel.ruptures,
+          channel.inside);
+    CHECK(fabs(needle_tip(&needle) + NEEDLE_RADIUS - 0.032) < 2e-6, "the tip is at %g", needle_tip(&needle));
+    needle_close(&needle);
+    solid_close(&pile);
+}
+
 static void a_needle_is_put_in(void)
 {
     struct needle_rig needle;
@@ -466,6 +499,7 @@ int main(void)
     TEST(bodies_that_appear);
     TEST(ticks_without_a_pose);
     TEST(what_stops_a_tip);
+    TEST(a_line_with_too_many_walls);
     TEST(a_needle_is_put_in);
     TEST(within_a_budget_it_gets_there);
     TEST(what_is_refused);
