@@ -291,6 +291,31 @@ static void jumps_are_ruptures(void)
     }
 }
 
+/* To and fro near the surface, where little is inside and nothing is cut: bristles hold no more than they got. */
+static void shallow_bristles_hold_what_they_got(void)
+{
+    struct needle_rig needle;
+    dpt_body_settings gel = needle_gel();
+    gel.puncture_force = 0.1;
+    gel.cutting_force = 0;
+    gel.shaft_stiffness = 4e3;
+    needle_open(&needle, &gel, 1);
+    double stored = 0, last = 0, most = 0;
+    for (int i = 0; i < 8000; i++) {
+        const double before = needle.depth;
+        needle.depth = 0.006 - 0.011 * cos(0.004 * i);
+        needle_step(&needle);
+        const double force = needle_force(&needle);
+        const double gained = needle.rig.force.energy - stored - 0.5 * (force + last) * (needle.depth - before);
+        CHECK(gained <= 1e-9 + CLEARANCE * fabs(force), "tick %d: %g J gained", i, gained);
+        stored = needle.rig.force.energy;
+        last = force;
+        most = fmax(most, force);
+    }
+    CHECK(most > 0.2, "it was hardly in: %g N", most);
+    needle_close(&needle);
+}
+
 /* A hand with noise, delay and quanta: the observer only looks on. */
 static void nothing_gives_energy(void)
 {
@@ -358,6 +383,7 @@ int main(void)
     TEST(nothing_creeps);
     TEST(layers_come_in_order);
     TEST(jumps_are_ruptures);
+    TEST(shallow_bristles_hold_what_they_got);
     TEST(nothing_gives_energy);
     return check_report();
 }
