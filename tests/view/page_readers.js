@@ -25,6 +25,7 @@ const {
   "scale",
   "rays",
   "hand",
+  "depths",
   "readouts",
 );
 const { readMessage, splitStream, decodeText, misfit } = messageReader;
@@ -32,7 +33,31 @@ const known = fixture.recording();
 const scene = readMessage(alone(known.scene));
 const frameAt = i => readMessage(alone(known.frame(i)));
 
+// Frame 150, whose tool is in the body, with some of what tells how deep taken away.
+function deepFrame({ known, contacts, ticks, distance = 0 }) {
+  const frame = frameAt(150);
+  const [segment] = frame.snapshot.segments;
+  assert(segment.contact === 3 && frame.snapshot.contacts.length === 2 && frame.ticks.length > 0);
+  if (!known) Object.assign(segment, { flags: 0, depth: NaN, gap: NaN, distance });
+  if (!contacts) frame.snapshot.contacts = [];
+  if (!ticks) frame.ticks = [];
+  return frame;
+}
+
 async function whatIsRead() {
+  await check("while the tool is in there is a depth, whatever the snapshot leaves out; before it there is a gap", () => {
+    const near = options => readouts.texts(deepFrame(options), 0, {}).near;
+    assert.strictEqual(near({ known: true, contacts: true, ticks: true }), "8.000 mm");
+    assert.strictEqual(near({ contacts: true, ticks: true }), "8.000 mm", "that of the deepest contact");
+    const tick = frameAt(150).ticks.at(-1).depth;
+    assert.strictEqual(near({ ticks: true }), `${(1e3 * tick).toFixed(3)} mm`, "that of the tick");
+    assert.strictEqual(near({ distance: 0.001 }), "3.000 mm", "at least what its radius is inside");
+    const free = frameAt(10);
+    Object.assign(free.snapshot.segments[0], { flags: 0, contact: 1, distance: 0.0045 });
+    const { near: gap, nearWord } = readouts.texts(free, 0, {});
+    assert.deepStrictEqual([gap, nearWord], ["0.500 mm", "gap"]);
+  });
+
   await check("a scene is read as it was written", () => {
     assert.deepStrictEqual(
       [scene.kind, scene.title, scene.mode, scene.up, scene.forceMax],
@@ -111,11 +136,13 @@ async function whatIsRead() {
   await check("the numbers beside the picture are those of the frame", () => {
     const texts = readouts.texts(frameAt(150), 0, { drawnRate: 0 });
     assert.deepStrictEqual(
-      [texts.tick, texts.force, texts.gap, texts.contact, texts.reason, texts.triangle, texts.dropped, texts.drawn],
+      [texts.tick, texts.force, texts.gap, texts.near, texts.nearWord, texts.contact, texts.reason, texts.triangle, texts.dropped, texts.drawn],
       [
         "2,500",
         "4.00 N",
         "-8.000 mm",
+        "8.000 mm",
+        "depth",
         "penetrating",
         "",
         String(known.meshes[0].sources[known.strip[0]]),
@@ -124,6 +151,8 @@ async function whatIsRead() {
       ],
     );
     assert.match(readouts.texts(frameAt(10), 0, {}).reason, /^free/);
+    const { near, nearWord } = readouts.texts(frameAt(10), 0, {});
+    assert.deepStrictEqual([near, nearWord], [readouts.texts(frameAt(10), 0, {}).gap, "gap"]);
     const wrong = frameAt(150);
     assert.strictEqual(readouts.texts(wrong, 0, {}).held, "");
     wrong.snapshot.bodies[1].flags |= 4;
@@ -351,6 +380,12 @@ async function theRest() {
     const [a, b] = corners;
     turned.set([b, a]);
     assert.deepStrictEqual([corners, corners.subarray(3), turned].map(rays.isClosed), [true, false, false]);
+  });
+  await check("a bar's force is 1, 2 or 5 times a power of ten, and not above what fits", () => {
+    assert.deepStrictEqual(
+      [0, 0.1, 0.19, 0.2, 0.49, 0.5, 0.99, 1, 7, 50].map(scale.roundDown),
+      [0, 0.1, 0.1, 0.2, 0.2, 0.5, 0.5, 1, 5, 50],
+    );
   });
   await check("axes have round numbers; colours of depth grow lighter", () => {
     assert.deepStrictEqual(

@@ -6,7 +6,7 @@ const fs = require("fs");
 const path = require("path");
 const { launch, until, sleep } = require("./chromium.js");
 const { check, near, random, alone, damage, finish, assert } = require("./verdicts.js");
-const { pageWriter, visitRecording, seek, camera } = require("./page_sights.js");
+const { pageWriter, visitRecording, seek, camera, textsOf } = require("./page_sights.js");
 const fixture = require("./stream_fixture.js");
 const known = fixture.recording();
 const [template, room] = process.argv.slice(2);
@@ -19,10 +19,11 @@ async function playing(page) {
       [
         await page.readout("tick"),
         await page.readout("force"),
-        await page.readout("gap"),
+        await page.readout("near"),
+        await page.readout("nearWord"),
         await page.readout("contact"),
       ],
-      ["2,500", "4.00 N", "-8.000 mm", "penetrating"],
+      ["2,500", "4.00 N", "8.000 mm", "depth", "penetrating"],
     );
     const index = async () => {
       await page.settle();
@@ -53,7 +54,8 @@ async function playing(page) {
   });
   await check("a reason of no force is said; a frame at rest costs no drawing", async () => {
     await seek(page, 20);
-    assert.match(await page.readout("reason"), /^free/);
+    assert.strictEqual(await page.readout("reason"), "free: it touches nothing");
+    assert.strictEqual(await page.readout("nearWord"), "gap");
     const { drawn } = await page.state();
     await sleep(400);
     assert.strictEqual((await page.state()).drawn, drawn);
@@ -173,6 +175,23 @@ async function looks(page) {
       assert((await page.ask("said")) <= 2);
     },
   );
+  for (const [width, height, frame] of [
+    [1280, 800, 150],
+    [390, 844, 150],
+    [1280, 800, 20],
+    [390, 844, 20],
+  ])
+    await check(`${width} x ${height}, frame ${frame}: no text is cut off, and none lies on another`, async () => {
+      await page.size(width, height, width < 500);
+      await seek(page, frame);
+      const { cut, crossed, texts } = await page.call(textsOf);
+      assert(texts > 25, `${texts} texts`);
+      assert.deepStrictEqual([cut, crossed], [[], []]);
+      // Numbers as long as they get.
+      const { cut: longCut } = await page.call(textsOf, { near: "-1234.567 mm", torque: "12345.6 mN m", dropped: "123,456,789" });
+      assert.deepStrictEqual(longCut, []);
+    });
+  await page.size(1280, 800);
   await check("on a narrow screen all is there, one below the other, and nothing is wider than it", async () => {
     await page.size(390, 844, true);
     await until("narrow", async () => (await page.ask("document.getElementById('picture').clientWidth")) <= 390);

@@ -49,6 +49,51 @@ const on = (ends, s) => ends[0].map((value, k) => value + s * (ends[1][k] - valu
 const top = ([x, y, z]) => [x, y, z + TOOL.radius];
 const camera = page => page.ask("dynpoint.camera()");
 
+/*
+ * To be called in the page: texts that are seen, how many; those whose letters reach beyond the box that cuts them off, and
+ * pairs of them that lie on one another. long: texts to put into readouts first, by name.
+ */
+function textsOf(long = {}) {
+  const kept = Object.entries(long).map(([name, text]) => {
+    const field = document.querySelector(`[data-readout="${name}"]`);
+    const old = field.textContent;
+    field.textContent = text;
+    return () => (field.textContent = old);
+  });
+  const all = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const range = document.createRange();
+  while (walker.nextNode()) {
+    const { parentElement: parent, textContent } = walker.currentNode;
+    if (!textContent.trim() || !parent.checkVisibility({ visibilityProperty: true }) || parent.closest("script, style, dialog, option, .unseen"))
+      continue;
+    range.selectNodeContents(walker.currentNode);
+    const { left, right, top, bottom } = range.getBoundingClientRect();
+    if (right - left < 1) continue;
+    all.push({ text: textContent.trim().slice(0, 30), left, right, top, bottom, parent });
+  }
+  const cuts = ({ parent, left, right }) => {
+    if (left < -0.5 || right > innerWidth + 0.5) return true;
+    for (let box = parent; box && box !== document.body; box = box.parentElement) {
+      const { overflowX } = getComputedStyle(box);
+      const { left: from, right: to } = box.getBoundingClientRect();
+      if (overflowX !== "visible" && (left < from - 0.5 || right > to + 0.5)) return true;
+    }
+    return false;
+  };
+  const cut = all.filter(cuts).map(({ text }) => text);
+  const crossed = [];
+  all.forEach((a, i) =>
+    all.slice(i + 1).forEach(b => {
+      const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+      const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+      if (across > 1 && high > 3) crossed.push([a.text, b.text]);
+    }),
+  );
+  for (const undo of kept) undo();
+  return { texts: all.length, cut, crossed };
+}
+
 async function view(page, key) {
   await page.key(key);
   await page.key("f");
@@ -62,4 +107,4 @@ async function visitRecording(browser, address, frames) {
   return page;
 }
 
-module.exports = { pageWriter, visitRecording, seek, colour, pixel, likeness, on, top, camera, view };
+module.exports = { pageWriter, visitRecording, seek, colour, pixel, likeness, on, top, camera, view, textsOf };

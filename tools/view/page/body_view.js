@@ -74,16 +74,15 @@ const bodyView = (() => {
       );
     }
 
-    // Grows the box [least, most] by the vertices, in the scene's frame.
-    growBox(least, most) {
-      if (!this.rotation) return;
-      for (let i = 0; i < this.positions.length; i += 3) {
-        const place = this.toScene(this.positions.subarray(i, i + 3));
-        for (let k = 0; k < 3; k++) {
-          least[k] = Math.min(least[k], place[k]);
-          most[k] = Math.max(most[k], place[k]);
-        }
-      }
+    // Its vertices in the scene's frame: x, y, z one behind the other.
+    places() {
+      if (!this.rotation) return new Float32Array(0);
+      const [m, at, from] = [this.rotation, this.place, this.positions];
+      const to = new Float32Array(from.length);
+      for (let i = 0; i < from.length; i += 3)
+        for (let k = 0; k < 3; k++)
+          to[i + k] = m[3 * k] * from[i] + m[3 * k + 1] * from[i + 1] + m[3 * k + 2] * from[i + 2] + at[k];
+      return to;
     }
 
     dispose() {

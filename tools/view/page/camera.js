@@ -101,6 +101,16 @@ const camera = (() => {
       this.move({ distance });
     }
 
+    // Those of a direction that it may not look in yet.
+    axesOf({ azimuth, elevation }) {
+      const [sa, ca, se, ce] = [Math.sin(azimuth), Math.cos(azimuth), Math.sin(elevation), Math.cos(elevation)];
+      return {
+        right: this.turned([ca, sa, 0]),
+        above: this.turned([-sa * se, ca * se, ce]),
+        back: this.turned([sa * ce, -ca * ce, se]),
+      };
+    }
+
     // The picture's axes in the scene.
     axes() {
       const m = this.object.matrixWorld.elements;
@@ -115,12 +125,38 @@ const camera = (() => {
       return (2 * depth * Math.tan((VIEW_ANGLE * Math.PI) / 360)) / this.height;
     }
 
-    // The whole of a ball in the picture.
-    fit(centre, radius, smooth) {
+    /*
+     * All places in the picture, as near as that allows.
+     *   places     x, y, z one behind the other
+     *   direction  { azimuth, elevation }
+     *   free       { left, right, top, bottom }: parts of the half picture, 0 to 1, that places may reach to
+     */
+    fit(places, centre, radius, direction, free, smooth) {
       this.radius = radius;
-      const up = (VIEW_ANGLE * Math.PI) / 360;
-      const aside = Math.atan(Math.tan(up) * this.object.aspect);
-      this.move({ target: centre, distance: radius / Math.sin(Math.min(up, aside)) }, smooth);
+      const { right, above, back } = this.axesOf(direction);
+      const up = Math.tan((VIEW_ANGLE * Math.PI) / 360);
+      const aside = up * this.object.aspect;
+      const slopes = { right: aside * free.right, left: aside * free.left, top: up * free.top, bottom: up * free.bottom };
+      const most = { right: -Infinity, left: -Infinity, top: -Infinity, bottom: -Infinity };
+      for (let i = 0; i < places.length; i += 3) {
+        const x = places[i] - centre[0];
+        const y = places[i + 1] - centre[1];
+        const z = places[i + 2] - centre[2];
+        const across = x * right[0] + y * right[1] + z * right[2];
+        const high = x * above[0] + y * above[1] + z * above[2];
+        const near = x * back[0] + y * back[1] + z * back[2];
+        most.right = Math.max(most.right, across / slopes.right + near);
+        most.left = Math.max(most.left, -across / slopes.left + near);
+        most.top = Math.max(most.top, high / slopes.top + near);
+        most.bottom = Math.max(most.bottom, -high / slopes.bottom + near);
+      }
+      // The target lies so that left and right, top and bottom, are reached at the same distance.
+      const shift = (a, b) => (most[a] - most[b]) / (1 / slopes[a] + 1 / slopes[b]);
+      const byX = shift("right", "left");
+      const byY = shift("top", "bottom");
+      const distance = Math.max(most.right - byX / slopes.right, most.top - byY / slopes.top, 0.05 * radius);
+      const target = centre.map((value, k) => value + byX * right[k] + byY * above[k]);
+      this.move({ ...direction, target, distance }, smooth);
     }
 
     // From a place to a target: their numbers one behind the other. The scene's up axis stays upright.
@@ -139,11 +175,7 @@ const camera = (() => {
       });
     }
 
-    view(name, smooth) {
-      const [azimuth, elevation] = VIEWS[name];
-      this.move({ azimuth, elevation }, smooth);
-    }
   }
 
-  return { Camera, VIEWS: Object.keys(VIEWS) };
+  return { Camera, VIEWS };
 })();

@@ -6,7 +6,7 @@ const readouts = (() => {
   const STATUS = ["stale", "local", "bounded", "exact"];
   const REASON = [
     "acts",
-    "free: nothing is near",
+    "free: it touches nothing",
     "stale: there is no valid input",
     "undecided: on which side is not known",
     "off: switched off",
@@ -20,10 +20,11 @@ const readouts = (() => {
     [2, "strip triangles"],
     [4, "vertices"],
   ];
-  const HIT_KNOWN = 1;
+  const PROXY = 2; // the law whose coupling pulls
   const word = (words, number) => words[number] ?? `unknown (${number})`;
   const fixed = (value, decimals, unit) => (Number.isFinite(value) ? `${value.toFixed(decimals)} ${unit}` : "\u2013");
   const millimetres = value => fixed(1e3 * value, 3, "mm");
+  const micros = seconds => (seconds > 0 ? fixed(1e6 * seconds, 1, "\u00b5s") : "\u2013"); // a made-up clock has none
   const hertz = value => (value > 0 ? fixed(value, 0, "Hz") : "\u2013");
   const time = seconds => (Number.isFinite(seconds) ? `${seconds.toFixed(3)} s` : "\u2013");
   const coordinates = place => place.map(value => (1e3 * value).toFixed(2).padStart(9)).join("");
@@ -53,7 +54,9 @@ const readouts = (() => {
     const segment = segmentOf(snapshot, tool);
     const last = frame.ticks[frame.ticks.length - 1];
     const force = tool ? rays.length(tool.wrench.slice(0, 3)) : NaN;
-    const known = segment && segment.flags & HIT_KNOWN;
+    const known = segment && segment.flags & depths.KNOWN;
+    const depth = depths.ofTool(snapshot, index, segment, last);
+    const gap = depths.gapOf(segment);
     const left = LEFT_OUT.filter(([bit]) => snapshot.flags & bit)
       .map(([, what]) => what)
       .join(", ");
@@ -61,14 +64,15 @@ const readouts = (() => {
       tick: snapshot.steps.toLocaleString("en"),
       time: time(snapshot.time),
       contact: segment ? word(CONTACT, segment.contact) : "\u2013",
+      near: depth !== null ? millimetres(depth) : gap !== null ? millimetres(gap) : "\u2013",
+      nearWord: depth !== null ? "depth" : "gap",
       gap: known ? millimetres(segment.gap) : "\u2013",
       distance: segment ? millimetres(segment.distance) : "\u2013",
-      depth: known ? millimetres(segment.depth) : "\u2013",
       force: fixed(force, 2, "N"),
       torque: tool ? fixed(1e3 * rays.length(tool.wrench.slice(3)), 1, "mN m") : "\u2013",
       reason: reasonOf(tool, last),
       held: heldOf(snapshot),
-      spring: last ? millimetres(last.depth) : "\u2013",
+      coupling: last && tool?.law === PROXY ? millimetres(last.depth) : "\u2013",
       energy: tool ? fixed(1e3 * tool.energy, 3, "mJ") : "\u2013",
       triangle: segment && segment.triangle !== snapshotReader.NONE ? String(segment.triangle) : "\u2013",
       status: segment ? word(STATUS, segment.status) : "\u2013",
@@ -76,8 +80,8 @@ const readouts = (() => {
       physics: hertz(frame.physicsRate),
       view: hertz(frame.viewRate),
       drawn: hertz(page.drawnRate),
-      work: fixed(1e6 * frame.tickP99, 1, "\u00b5s"),
-      late: fixed(1e6 * frame.lateP99, 1, "\u00b5s"),
+      work: micros(frame.tickP99),
+      late: micros(frame.lateP99),
       dropped: frame.dropped.toLocaleString("en"),
       lost: frame.ticksLost.toLocaleString("en"),
       left: left ? `Not in this picture for want of room: ${left}.` : "",
@@ -89,6 +93,12 @@ const readouts = (() => {
       this.fields = new Map(
         [...root.querySelectorAll("[data-readout]")].map(field => [field.dataset.readout, field]),
       );
+      this.reset();
+    }
+
+    // Of a new scene: a row comes when it has something to say, and stays.
+    reset() {
+      for (const field of this.fields.values()) if (field.matches("dd")) field.parentElement.hidden = true;
     }
 
     show(all) {
@@ -96,6 +106,7 @@ const readouts = (() => {
         const field = this.fields.get(name);
         if (!field || field.textContent === text) continue;
         field.textContent = text;
+        if (text !== "\u2013" && field.matches("dd")) field.parentElement.hidden = false;
         if (field.dataset.optional !== undefined) field.hidden = text === "";
       }
       const contact = this.fields.get("contact");

@@ -10,6 +10,15 @@ const scale = (() => {
     return (times <= 1.0000001 ? 1 : times <= 2.0000001 ? 2 : times <= 5.0000001 ? 5 : 10) * power;
   }
 
+  // The largest of them that is not above the value; 0 gives 0.
+  function roundDown(value) {
+    const above = roundUp(value);
+    if (above <= value * 1.0000001) return above;
+    const power = 10 ** Math.floor(Math.log10(above) + 1e-9);
+    const times = Math.round(above / power);
+    return times === 1 ? power / 2 : times === 2 ? power : 2 * power;
+  }
+
   // Round values between two others, about `count` of them, and how many decimals tell them apart.
   function ticks(from, to, count) {
     const step = roundUp((to - from) / count);
@@ -44,5 +53,5 @@ const scale = (() => {
 
   const gradient = () => `linear-gradient(to right, ${VIRIDIS.map(rgb => `rgb(${rgb.join(" ")})`).join(", ")})`;
 
-  return { roundUp, ticks, colour, gradient };
+  return { roundUp, roundDown, ticks, colour, gradient };
 })();

@@ -6,6 +6,8 @@ const sceneView = (() => {
   // Multisampling costs more than half of the pictures a second where a processor draws.
   const SMOOTH = 20000; // triangles: a larger scene has no multisampling anywhere
   const PROCESSOR = /SwiftShader|llvmpipe|softpipe|Basic Render|Software/i;
+  const EDGE = { side: 24, top: 56, bottom: 50 }; // pixels that the legend and the buttons have
+  const UNIT_BOX = [-1, -1, -1, 1, 1, 1];
   const COLOURS = [
     "background",
     "organ",
@@ -13,6 +15,7 @@ const sceneView = (() => {
     "proxy",
     "pair",
     "force",
+    "rim",
     "strip",
     "picked",
     "workspace",
@@ -111,6 +114,15 @@ const sceneView = (() => {
       if (again) return;
       this.fit(false);
       if (scene.camera) this.camera.place(scene.camera);
+      this.isFresh = !scene.camera;
+      this.fitted = { ...this.camera.state };
+    }
+
+    // The first frame says where the tool is: it is to be seen too, unless the camera has been moved meanwhile.
+    fitTool() {
+      const { fitted, camera } = this;
+      this.isFresh = false;
+      if (["distance", "azimuth", "elevation"].every(name => fitted[name] === camera.state[name])) this.fit(false);
     }
 
     // A body without a colour of its own has the page's.
@@ -159,6 +171,7 @@ const sceneView = (() => {
       this.strip.show(strip);
       this.showPicked();
       this.dirty = true;
+      if (this.isFresh && snapshot?.segments.length > 0) this.fitTool();
     }
 
     showPicked() {
@@ -167,28 +180,58 @@ const sceneView = (() => {
       this.dirty = true;
     }
 
-    // The ball round all bodies; without any round the workspace.
-    bounds() {
-      const least = [Infinity, Infinity, Infinity];
-      const most = least.map(() => -Infinity);
-      const box = this.scene.device?.workspace;
-      for (const view of this.bodies.values()) view.growBox(least, most);
-      if (!(least[0] <= most[0]) && box) {
-        least.splice(0, 3, ...box.slice(0, 3));
-        most.splice(0, 3, ...box.slice(3));
-      }
-      if (!(least[0] <= most[0])) return { centre: [0, 0, 0], radius: 1 };
-      return {
-        centre: least.map((value, k) => (value + most[k]) / 2),
-        radius: Math.max(1e-6, rays.length(rays.sub(most, least)) / 2),
-      };
+    // What has to be seen: all bodies, without any the workspace, and without that a box round the origin.
+    places() {
+      const of = [...this.bodies.values()].map(view => view.places());
+      if (of.every(({ length }) => length === 0)) of.push(Float32Array.from(this.scene.device?.workspace ?? UNIT_BOX));
+      return of;
     }
 
-    fit(smooth) {
+    // direction: { azimuth, elevation }, or what it is now
+    fit(smooth, direction = this.camera.state) {
       this.resize();
-      const { centre, radius } = this.bounds();
-      this.scales.radius = radius;
-      this.camera.fit(centre, radius, smooth);
+      const all = this.places();
+      const least = [Infinity, Infinity, Infinity];
+      const most = least.map(() => -Infinity);
+      for (const places of all)
+        for (let i = 0; i < places.length; i++) {
+          if (places[i] < least[i % 3]) least[i % 3] = places[i];
+          if (places[i] > most[i % 3]) most[i % 3] = places[i];
+        }
+      const centre = least.map((value, k) => (value + most[k]) / 2);
+      this.scales.radius = Math.max(1e-6, rays.length(rays.sub(most, least)) / 2);
+      const ends = this.snapshot?.segments.flatMap(({ proxyA, proxyB }) => [proxyA, proxyB]).filter(rays.isPlace) ?? [];
+      const { radius } = this.scales;
+      const tool = ends.filter(place => rays.length(rays.sub(place, centre)) < 1.5 * radius);
+      const above = this.camera.turned([0, 0, 0.6 * toolView.ARROW * radius]);
+      const near = tool.flatMap(place => [place, place.map((value, k) => value + above[k])]); // and of a force upward
+      const whole = Float32Array.from([...all.flatMap(places => [...places]), ...near.flat()]);
+      const free = (pixels, of) => Math.max(0.3, 1 - (2 * pixels) / Math.max(1, of));
+      const { azimuth, elevation } = direction;
+      this.camera.fit(
+        whole,
+        centre,
+        radius,
+        { azimuth, elevation },
+        {
+          left: free(EDGE.side, this.width),
+          right: free(EDGE.side, this.width),
+          top: free(EDGE.top, this.height),
+          bottom: free(EDGE.bottom, this.height),
+        },
+        smooth,
+      );
+    }
+
+    // Along an axis of the scene: a name of camera.VIEWS.
+    look(name, smooth) {
+      const [azimuth, elevation] = camera.VIEWS[name];
+      this.fit(smooth, { azimuth, elevation });
+    }
+
+    // How many pixels long the arrow of the largest force is, at the camera's target.
+    arrowPixels() {
+      return (toolView.ARROW * this.scales.radius) / this.camera.pixelSize(this.camera.state.target);
     }
 
     resize() {

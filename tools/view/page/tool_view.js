@@ -4,7 +4,7 @@
 "use strict";
 const toolView = (() => {
   const { CapsuleBatch } = capsuleBatch;
-  const ARROW = 0.55; // its length at the largest force, in radii of the scene
+  const ARROW = 0.3; // its length at the largest force, in radii of the scene
 
   const material = (Type, order, options) =>
     Object.assign(new Type({ vertexColors: true, ...options }), { userData: { order } });
@@ -21,16 +21,6 @@ const toolView = (() => {
   // Where the hand holds a tool: the origin of its frame, or end a of one whose segments are set in the scene.
   const handleOf = (snapshot, tool) =>
     tool.isFree ? snapshot.segments[tool.firstSegment].a : tool.pose.slice(0, 3);
-
-  const segmentOf = (snapshot, contact) =>
-    snapshot.segments[snapshot.tools[contact.tool].firstSegment + contact.segment];
-
-  // Of a contact at the proxy, which is outside: how far the device is behind it, along the normal.
-  function depthOf(snapshot, contact) {
-    const { a, b, proxyA, proxyB } = segmentOf(snapshot, contact);
-    const held = rays.sub(rays.along(proxyA, proxyB, contact.s), rays.along(a, b, contact.s));
-    return Math.max(0, -contact.gap, rays.dot(held, contact.normal) || 0);
-  }
 
   class ToolView {
     constructor() {
@@ -78,7 +68,7 @@ const toolView = (() => {
     }
 
     addContact(snapshot, contact, camera, scales) {
-      const segment = segmentOf(snapshot, contact);
+      const segment = depths.segmentOf(snapshot, contact);
       const { proxyA, proxyB } = segment;
       const middle = rays.along(proxyA, proxyB, (contact.s0 + contact.s1) / 2);
       if (!rays.isPlace(middle)) return;
@@ -86,7 +76,7 @@ const toolView = (() => {
       const long = rays.length(rays.sub(proxyB, proxyA));
       const more = long > 0 ? (1.5 * pixel) / long : 0; // a contact in one point is seen too
       const thick = Math.max(0, segment.radius || 0) + 2 * pixel;
-      const depth = depthOf(snapshot, contact);
+      const depth = depths.ofContact(snapshot, contact);
       const rgb = new THREE.Color(`rgb(${scale.colour(depth / scales.depth).join(",")})`).toArray();
       this.bands.add(
         rays.along(proxyA, proxyB, contact.s0 - more),
@@ -110,14 +100,24 @@ const toolView = (() => {
       if (!from || !(newtons > 0) || !Number.isFinite(newtons)) return;
       const length = ARROW * scales.radius * Math.min(1.5, newtons / scales.force);
       const to = from.map((value, k) => value + (length * force[k]) / newtons);
-      const thick = 2.4 * camera.pixelSize(from);
-      const head = Math.min(length, 6 * thick);
-      const neck = rays.along(to, from, head / length);
-      this.marks.add(from, neck, thick, thick, 0, colours.force);
-      this.marks.add(neck, to, 2.4 * thick, 0, 0, colours.force);
+      const pixel = camera.pixelSize(from);
+      // The rim first: it is drawn below, so that the arrow stands out from whatever is behind it.
+      this.addArrow(from, to, pixel, 1.4, colours.rim);
+      this.addArrow(from, to, pixel, 0, colours.force);
       this.arrows.push({ from, to, newtons });
+    }
+
+    // more: pixels by which it is larger, all round
+    addArrow(from, to, pixel, more, colour) {
+      const long = rays.length(rays.sub(to, from));
+      const at = along => rays.along(from, to, along / long);
+      const size = Math.min(1, long / (20 * pixel)) * pixel; // a short arrow is thinner, and has a smaller head
+      const neck = long - 13 * size;
+      const thick = 2.6 * size + more * pixel;
+      this.marks.add(at(-more * pixel), at(neck), thick, thick, 0, colour);
+      this.marks.add(at(neck - more * pixel), at(long + 2 * more * pixel), 6.2 * size + 1.5 * more * pixel, 0, 0, colour);
     }
   }
 
-  return { ToolView, depthOf, handleOf };
+  return { ToolView, handleOf, ARROW };
 })();

@@ -15,6 +15,7 @@ const viewer = (() => {
   const PLOTS_EVERY = 33; // ms
   const LEAST_DEPTH = 1e-4; // m: the least end of the scale of colours
   const LEAST_FORCE = 0.1; // N: of the arrow's
+  const FORCE_BAR = 70; // pixels: the most of the bar in the legend
   const THEMES = ["system", "dark", "light"];
   const element = id => document.getElementById(id);
 
@@ -45,6 +46,7 @@ const viewer = (() => {
   });
   const plot = new plots.Plots(element("plots"), ticks);
   const numbers = new readouts.Readouts(element("numbers"));
+  const labels = new arrowLabels.ArrowLabels(element("labels"));
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   const darkSystem = matchMedia("(prefers-color-scheme: dark)");
   let drawings = [];
@@ -87,6 +89,7 @@ const viewer = (() => {
       ? `${scene.device.name}${scene.device.simulated ? ", simulated" : ""}`
       : "";
     listMeshes(scene);
+    numbers.reset();
     clearFrames();
     unpick();
     showScene(scene);
@@ -125,7 +128,7 @@ const viewer = (() => {
     history.add(frame, bytes);
     for (const tick of frame.ticks) ticks.add(tick);
     for (const contact of frame.snapshot.contacts)
-      own.deepest = Math.max(own.deepest, toolView.depthOf(frame.snapshot, contact));
+      own.deepest = Math.max(own.deepest, depths.ofContact(frame.snapshot, contact));
     for (const { force } of frame.ticks) if (force > own.strongest && force < Infinity) own.strongest = force;
     for (const { wrench } of frame.snapshot.tools) {
       const force = rays.length(wrench.slice(0, 3));
@@ -181,6 +184,7 @@ const viewer = (() => {
     if (!entry || entry === own.shown) return;
     own.shown = entry;
     own.frame = messageReader.readMessage(entry.bytes);
+    if (own.frame.snapshot.strips.length > 0) element("legend").dataset.strip = "";
     own.view?.show(own.frame.snapshot, entry.own);
     listTools(own.frame.snapshot.tools);
     showFound();
@@ -262,11 +266,19 @@ const viewer = (() => {
   function showScales() {
     if (!own.view) return;
     const depth = scale.roundUp(Math.max(LEAST_DEPTH, own.deepest));
-    const force = own.scene.forceMax ?? scale.roundUp(Math.max(LEAST_FORCE, own.strongest));
+    const force = scale.roundUp(Math.max(LEAST_FORCE, own.strongest));
     const { scales } = own.view;
     if (scales.depth === depth && scales.force === force) return;
     Object.assign(scales, { depth, force });
     own.view.dirty = true;
+  }
+
+  // The legend's bar is as long as an arrow of its force is at the camera's target.
+  function showForceScale() {
+    const full = own.view.arrowPixels();
+    const force = scale.roundDown((own.view.scales.force * FORCE_BAR) / full);
+    element("force-bar").style.width = `${((full * force) / own.view.scales.force).toFixed(1)}px`;
+    element("force-scale").textContent = `${Number(force.toPrecision(1))} N`;
   }
 
   function countDrawing(now) {
@@ -281,7 +293,11 @@ const viewer = (() => {
     play.advance(now);
     showFrame();
     if (own.scene) showScales();
-    if (own.view?.draw(false)) countDrawing(now);
+    if (own.view?.draw(false)) {
+      labels.show(own.view);
+      showForceScale();
+      countDrawing(now);
+    }
     showPlots(now);
     showNumbers(now);
     showTime();
@@ -355,7 +371,7 @@ const viewer = (() => {
     unpick,
     save,
     fit: () => own.view?.fit(!calm.matches),
-    view: name => own.view?.camera.view(name, !calm.matches),
+    view: name => own.view?.look(name, !calm.matches),
     toggle: () => play.toggle(),
     back: () => play.step(-1),
     forward: () => play.step(1),

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The value of each force, at the end of its arrow. Labels stay within the picture, clear of what stands at its edges.
+"use strict";
+const arrowLabels = (() => {
+  const BEYOND = 12; // pixels from the arrow's end
+  const EDGE = { left: 4, right: 4, top: 52, bottom: 44 }; // pixels
+  const clamp = (value, least, most) => Math.max(least, Math.min(most, value));
+  const valueOf = newtons => `${newtons.toFixed(newtons < 10 ? 2 : 1)} N`;
+
+  class ArrowLabels {
+    constructor(root) {
+      this.root = root;
+    }
+
+    // view: a SceneView that has drawn
+    show(view) {
+      const { arrows } = view.tools;
+      while (this.root.children.length < arrows.length) this.root.append(document.createElement("span"));
+      while (this.root.children.length > arrows.length) this.root.lastChild.remove();
+      arrows.forEach((arrow, i) => this.place(this.root.children[i], arrow, view));
+    }
+
+    place(label, { from, to, newtons }, view) {
+      const [begin, end] = [from, to].map(place => view.project(place));
+      label.hidden = !begin || !end;
+      if (label.hidden) return;
+      const text = valueOf(newtons);
+      if (label.textContent !== text) label.textContent = text;
+      const way = [end[0] - begin[0], end[1] - begin[1]];
+      const by = 1 / Math.max(1e-6, Math.hypot(...way));
+      const half = [label.offsetWidth / 2, label.offsetHeight / 2];
+      const out = BEYOND + Math.abs(way[0] * by) * half[0] + Math.abs(way[1] * by) * half[1];
+      const x = clamp(end[0] + out * way[0] * by, EDGE.left + half[0], view.width - EDGE.right - half[0]);
+      const y = clamp(end[1] + out * way[1] * by, EDGE.top + half[1], view.height - EDGE.bottom - half[1]);
+      label.style.transform = `translate(${(x - half[0]).toFixed(1)}px, ${(y - half[1]).toFixed(1)}px)`;
+    }
+  }
+
+  return { ArrowLabels, valueOf };
+})();
