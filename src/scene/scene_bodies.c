@@ -39,6 +39,7 @@ static void settle_body(struct scene_body *body, const struct listed_body *liste
     body->name = listed->shape;
     body->has_colour = listed->has_colour;
     memcpy(body->colour, listed->colour, sizeof body->colour);
+    body->look = listed->look;
     body->sleep_speed = listed->sleep_speed;
     if (listed->friction > 0.0)
         body->settings = (dpt_body_settings){ .size = sizeof body->settings,

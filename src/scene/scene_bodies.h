@@ -26,6 +26,7 @@ struct scene_body {
     const char *name;           /* of its shape, or NULL */
     int has_colour;
     double colour[3]; /* as in listed_body */
+    enum body_look look;
     /* Of one that gives way, in a world; else NULL. */
     dpt_springs *springs;
     void *block, *springs_block;

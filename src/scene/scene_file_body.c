@@ -224,7 +224,7 @@ void scene_file_read_body(struct scene_file_body *body, struct json_reader *read
                           const char *path)
 {
     static const char *const keys[] = { "mesh",     "shape",   "triangles", "rigid",  "position", "orientation",
-                                        "material", "physics", "surface",   "colour", NULL };
+                                        "material", "physics", "surface",   "colour", "look",     NULL };
     const dpt_pose identity = DPT_POSE_IDENTITY;
     if (!json_check_object(reader, at, keys))
         return;
@@ -252,6 +252,7 @@ void scene_file_read_body(struct scene_file_body *body, struct json_reader *read
         read_surface(&body->settings, reader, &surface);
     read_softness(body, reader, at);
     read_colour(&body->listed, reader, at);
+    body->listed.look = (enum body_look)json_take_word(reader, at, "look", body_look_words, BODY_LOOK_ORGAN);
 }
 
 static void read_extent(struct tip_shape *tip, struct json_reader *reader, const struct json_value *at)

@@ -13,6 +13,9 @@
 
 enum { LISTED_BODIES_MAX = 8 };
 
+/* What a body looks like: in the viewer. */
+enum body_look { BODY_LOOK_ORGAN, BODY_LOOK_CLOTH, BODY_LOOK_BONE };
+
 struct listed_body {
     const char *shape; /* NULL: the list of bodies ends here */
     uint64_t triangles;
@@ -30,6 +33,7 @@ struct listed_body {
     uint32_t response;          /* DPT_RESPONSE_... */
     int has_colour;
     double colour[3]; /* red, green and blue, 0 to 1: in the viewer */
+    enum body_look look;
 };
 
 /* A sleep_speed: no node falls asleep. */

@@ -20,6 +20,9 @@ static const char *const strip_words[] = { "none", "shadow", "routes", NULL };
 /* DPT_INTEGRATOR_... */
 static const char *const integrator_words[] = { "symplectic", "euler", "implicit", NULL };
 
+/* enum body_look */
+static const char *const body_look_words[] = { "organ", "cloth", "bone", NULL };
+
 /* A setting that a text names: an option of the program, or a field or a flag of dpt_host_def. */
 struct setting_names {
     const char *law, *length, *radius, *physics, *tool, *tip, *jaw, *unstable, *embed;

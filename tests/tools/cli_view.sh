@@ -123,6 +123,7 @@ def read_scene(message):
     assert (end + 7) // 8 * 8 >= len(message) >= end
     for body in scene["bodies"]:
         assert body["mesh"] < len(scene["meshes"]) and len(body["pose"]) == 7
+        assert body["look"] in ("organ", "cloth", "bone")
         assert body["colour"] is None or len(body["colour"]) == 3 and all(0 <= part <= 1 for part in body["colour"])
     assert scene["camera"] is None or len(scene["camera"]) == 9 and all(map(math.isfinite, scene["camera"]))
     assert scene["up"] in "yz" and scene["frame_rate"] == 60 and scene["control"] is False

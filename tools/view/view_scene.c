@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "dynpoint/base.h"
+#include "scene/setting_words.h"
 
 enum { NUMBER_BYTES = 40, BLOB_MAX = 0x7fffffff };
 
@@ -175,6 +176,8 @@ static void append_bodies(struct text *text, const struct view_scene *scene, str
         append_numbers(text, body->pose.orientation, 4);
         append(text, "],\"colour\":");
         append_list(text, body->colour, 3);
+        append(text, ",\"look\":");
+        append_string(text, body_look_words[body->look]);
         append(text, "}");
     }
     append(text, "]");
@@ -316,7 +319,8 @@ void *scene_picture_message(const struct scene *scene, const struct scene_pictur
                                             .mesh = body->mesh,
                                             .id = body->id,
                                             .pose = body->pose,
-                                            .colour = body->has_colour ? body->colour : NULL };
+                                            .colour = body->has_colour ? body->colour : NULL,
+                                            .look = body->look };
     }
     if (list && names)
         message = view_scene_message(&told, size);

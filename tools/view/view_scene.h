@@ -13,6 +13,7 @@ struct view_scene_body {
     uint32_t id;
     dpt_pose pose;
     const double *colour; /* red, green, blue, 0 to 1; NULL: the page's */
+    enum body_look look;
 };
 
 /* Texts are of files and users: any bytes. */

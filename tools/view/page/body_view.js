@@ -5,7 +5,9 @@ const bodyView = (() => {
   const UNUSABLE = 2; // flag of a body whose pose cannot be used
 
   class BodyView {
-    constructor(body, mesh, material) {
+    // isSheet: it has an open border, and two sides that are seen
+    constructor(body, mesh, material, isSheet) {
+      this.isSheet = isSheet;
       this.body = body;
       this.mesh = mesh;
       this.own = null;
@@ -18,6 +20,7 @@ const bodyView = (() => {
         new THREE.BufferAttribute(mesh.positions.slice(), 3).setUsage(THREE.DynamicDrawUsage),
       );
       geometry.setAttribute("normal", new THREE.BufferAttribute(this.normals, 3).setUsage(THREE.DynamicDrawUsage));
+      geometry.setAttribute("shade", new THREE.BufferAttribute(new Float32Array(mesh.vertices).fill(1), 1));
       geometry.setIndex(new THREE.BufferAttribute(mesh.corners, 1));
       this.object = new THREE.Mesh(geometry, material);
       this.object.frustumCulled = false;
@@ -83,6 +86,23 @@ const bodyView = (() => {
         for (let k = 0; k < 3; k++)
           to[i + k] = m[3 * k] * from[i] + m[3 * k + 1] * from[i + 1] + m[3 * k + 2] * from[i + 2] + at[k];
       return to;
+    }
+
+    // The vertices' normals in the scene's frame, as they are now.
+    normalsInScene() {
+      const [m, from] = [this.rotation, this.normals];
+      const to = new Float32Array(from.length);
+      for (let i = 0; i < from.length; i += 3)
+        for (let k = 0; k < 3; k++)
+          to[i + k] = m[3 * k] * from[i] + m[3 * k + 1] * from[i + 1] + m[3 * k + 2] * from[i + 2];
+      return to;
+    }
+
+    // shades: of occlusion.Bake, one a vertex
+    setShades(shades) {
+      const { shade } = this.object.geometry.attributes;
+      shade.array.set(shades);
+      shade.needsUpdate = true;
     }
 
     dispose() {

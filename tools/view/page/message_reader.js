@@ -10,6 +10,7 @@ const messageReader = (() => {
   const FRAME_HEADER = 80;
   const TICK = 40;
   const POSE = 7;
+  const LOOKS = ["organ", "cloth", "bone"];
   const isCount = value => Number.isInteger(value) && value >= 0 && value < 2 ** 32;
   const isText = value => typeof value === "string" && value.length <= 4096;
   const areNumbers = (value, count) => Array.isArray(value) && value.length === count && value.every(Number.isFinite);
@@ -109,8 +110,10 @@ const messageReader = (() => {
         colour === null || (areNumbers(colour, 3) && colour.every(part => part >= 0 && part <= 1)),
         "A body's colour is not three numbers from 0 to 1.",
       );
+      const look = body.look ?? LOOKS[0];
+      demand(LOOKS.includes(look), "A body's look is not known.");
       ids.add(body.id);
-      return { id: body.id, mesh: body.mesh, pose: body.pose, name: body.name, colour };
+      return { id: body.id, mesh: body.mesh, pose: body.pose, name: body.name, colour, look };
     });
     return {
       kind: "scene",

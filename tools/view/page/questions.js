@@ -39,7 +39,7 @@ window.dynpoint = (() => {
     plotPixel,
     picture: async () => {
       const { width, height } = await createImageBitmap(await own.view.picture());
-      return { width, height, wanted: [own.view.width * own.view.ratio, own.view.height * own.view.ratio] };
+      return { width, height, wanted: [own.view.width, own.view.height].map(size => size * own.view.smoothRatio) };
     },
     // ms a picture takes when each is waited for, over `count` pictures with the vertices that `change` wrote
     timeDrawing: (count, moving) => own.view && timeDrawing(count, moving),
@@ -54,6 +54,7 @@ window.dynpoint = (() => {
   function timeDrawing(count, moving) {
     const { view } = own;
     const bodies = [...view.bodies.values()];
+    view.setSmooth(false);
     const begun = performance.now();
     const before = bodies.map(body => body.positions);
     for (let i = 0; i < count; i++) {

@@ -3,14 +3,17 @@
 "use strict";
 const sceneView = (() => {
   const { BodyView, Highlight } = bodyView;
-  // Multisampling costs more than half of the pictures a second where a processor draws.
+  // Multisampling costs more than half of the pictures a second where a processor draws, and cannot be switched off.
   const SMOOTH = 20000; // triangles: a larger scene has no multisampling anywhere
+  const SMOOTH_RATIO = 2; // pixels drawn for one of the picture, along each side, where edges are made smooth by that
   const PROCESSOR = /SwiftShader|llvmpipe|softpipe|Basic Render|Software/i;
   const EDGE = { side: 24, top: 56, bottom: 50 }; // pixels that the legend and the buttons have
   const UNIT_BOX = [-1, -1, -1, 1, 1, 1];
   const COLOURS = [
     "background",
     "organ",
+    "cloth",
+    "bone",
     "device",
     "proxy",
     "pair",
@@ -35,7 +38,8 @@ const sceneView = (() => {
     const triangles = scene.bodies.reduce((sum, body) => sum + scene.meshes[body.mesh].triangles, 0);
     const antialias = triangles <= SMOOTH && !isDrawnByProcessor();
     try {
-      return new THREE.WebGLRenderer({ canvas, antialias, powerPreference: "high-performance" });
+      const renderer = new THREE.WebGLRenderer({ canvas, antialias, powerPreference: "high-performance" });
+      return Object.assign(renderer, { userData: { antialias } });
     } catch {
       return null;
     }
@@ -51,9 +55,8 @@ const sceneView = (() => {
       });
       this.sun = new THREE.DirectionalLight(0xffffff, 2.1);
       this.three.add(new THREE.HemisphereLight(0xffffff, 0x8c92a4, 1.6), this.sun, this.sun.target);
+      this.light = surfaceLight.sharedUniforms();
       this.materials = {
-        closed: new THREE.MeshLambertMaterial(),
-        open: new THREE.MeshLambertMaterial({ side: THREE.DoubleSide }),
         strip: this.overlay(0.55, 1),
         picked: this.overlay(0.85, 2),
       };
@@ -62,6 +65,7 @@ const sceneView = (() => {
       this.pickedMark = new Highlight(this.materials.picked);
       this.three.add(...this.tools.objects, this.strip.object, this.pickedMark.object);
       this.bodies = new Map();
+      this.isSmooth = false;
       this.scales = { radius: 1, force: 1, depth: 1, control: false };
       this.setScene(scene);
       canvas.addEventListener("webglcontextrestored", () => {
@@ -91,14 +95,24 @@ const sceneView = (() => {
         this.three.remove(view.object);
         view.dispose();
       }
-      const materials = scene.meshes.map(({ corners }) =>
-        rays.isClosed(corners) ? this.materials.closed : this.materials.open,
-      );
+      const closed = scene.meshes.map(({ corners }) => rays.isClosed(corners));
+      const edges = scene.meshes.map(surfaceLight.usualEdge);
       this.bodies = new Map(
-        scene.bodies.map(body => [
-          body.id,
-          new BodyView(body, scene.meshes[body.mesh], this.painted(materials[body.mesh], body.colour)),
-        ]),
+        scene.bodies.map(body => {
+          const material = surfaceLight.materialOf(this.light, body.look, !closed[body.mesh], edges[body.mesh]);
+          return [body.id, new BodyView(body, scene.meshes[body.mesh], material, !closed[body.mesh])];
+        }),
+      );
+      this.bake = new occlusion.Bake(
+        [...this.bodies.values()]
+          .filter(view => view.rotation)
+          .map(view => ({
+            view,
+            places: view.places(),
+            normals: view.normalsInScene(),
+            corners: view.mesh.corners,
+            isClosed: !view.isSheet,
+          })),
       );
       for (const view of this.bodies.values()) this.three.add(view.object);
       if (this.box) this.three.remove(this.box);
@@ -125,14 +139,6 @@ const sceneView = (() => {
       if (["distance", "azimuth", "elevation"].every(name => fitted[name] === camera.state[name])) this.fit(false);
     }
 
-    // A body without a colour of its own has the page's.
-    painted(material, colour) {
-      if (!colour) return material;
-      const own = material.clone();
-      own.color.setRGB(...colour, THREE.SRGBColorSpace);
-      return own;
-    }
-
     workspaceBox(box) {
       if (!box) return null;
       const [x, y, z, toX, toY, toZ] = box;
@@ -152,7 +158,12 @@ const sceneView = (() => {
       this.colours = Object.fromEntries(COLOURS.map(name => [name, colours[name].toArray()]));
       this.three.background = colours.background;
       for (const name of ["strip", "picked"]) this.materials[name].color = colours[name];
-      this.materials.open.color = this.materials.closed.color = colours.organ;
+      // A body without a colour of its own has the page's for what it is.
+      for (const { body, object } of this.bodies.values()) {
+        const { value } = object.material.uniforms.colour;
+        if (body.colour) value.setRGB(...body.colour, THREE.SRGBColorSpace);
+        else value.copy(colours[body.look]);
+      }
       if (this.box) this.box.material.color = colours.workspace;
       this.dirty = true;
     }
@@ -234,16 +245,52 @@ const sceneView = (() => {
       return (toolView.ARROW * this.scales.radius) / this.camera.pixelSize(this.camera.state.target);
     }
 
+    get smoothRatio() {
+      const { antialias } = this.renderer.userData;
+      return antialias ? Math.min(2, devicePixelRatio) : Math.max(SMOOTH_RATIO, devicePixelRatio);
+    }
+
     resize() {
       const width = this.canvas.clientWidth;
       const height = this.canvas.clientHeight;
-      const ratio = Math.min(2, devicePixelRatio);
+      const ratio = this.isSmooth ? this.smoothRatio : Math.min(2, devicePixelRatio);
       if (width === 0 || height === 0 || (width === this.width && height === this.height && ratio === this.ratio))
         return;
       Object.assign(this, { width, height, ratio });
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
       this.camera.resize(width, height);
+    }
+
+    // A sheet that lies between the eye and a tool that does not touch it is seen through.
+    veilSheets() {
+      const eye = this.camera.object.position.toArray();
+      const segments = this.snapshot?.segments ?? [];
+      const middles = segments.map(({ proxyA, proxyB }) => rays.along(proxyA, proxyB, 0.5)).filter(rays.isPlace);
+      const touched = new Set(this.snapshot?.contacts.map(({ body }) => body));
+      for (const [id, view] of this.bodies) {
+        if (!view.isSheet) continue;
+        const hides = middle => view.pick(eye, rays.sub(middle, eye))?.t < 1;
+        surfaceLight.setVeil(view.object, !touched.has(id) && middles.some(hides));
+      }
+    }
+
+    // Looks on at what shades the bodies, for some ms; the shade is drawn when it is whole.
+    bakeOn(most) {
+      if (this.bake.isDone) return;
+      const end = performance.now() + most;
+      do this.bake.advance();
+      while (!this.bake.isDone && performance.now() < end);
+      if (!this.bake.isDone) return;
+      const shades = this.bake.shades();
+      this.bake.parts.forEach(({ view }, i) => view.setShades(shades[i]));
+      this.bake.parts = [];
+      this.dirty = true;
+    }
+
+    // From the next picture on. Nothing happens where edges are smooth by multisampling.
+    setSmooth(on) {
+      if (!this.renderer.userData.antialias) this.isSmooth = on;
     }
 
     // Draws if something has changed, or must be drawn for a reader of pixels. True if it drew.
@@ -256,9 +303,11 @@ const sceneView = (() => {
       const { radius } = this.scales;
       const { target } = this.camera.state;
       this.sun.target.position.set(...target);
-      this.sun.position.set(
-        ...target.map((value, k) => value + radius * (2 * back[k] + 1.1 * above[k] - 0.7 * right[k])),
-      );
+      const sun = back.map((value, k) => 1.1 * value + 1.2 * above[k] - 0.7 * right[k]);
+      this.sun.position.set(...target.map((value, k) => value + radius * sun[k]));
+      surfaceLight.setLight(this.light, sun, this.camera.turned([0, 0, 1]), back, this.tools.rods);
+      this.veilSheets();
+      for (const { object } of this.bodies.values()) surfaceLight.fitTo(this.light, object.material);
       this.renderer.render(this.three, this.camera.object);
       return true;
     }
@@ -307,8 +356,9 @@ const sceneView = (() => {
       return [...rgba.subarray(0, 3)];
     }
 
-    // A promise of a PNG.
+    // A promise of a PNG, with smooth edges.
     picture() {
+      this.setSmooth(true);
       this.draw(true);
       return new Promise(done => {
         this.canvas.toBlob(done, "image/png");

@@ -30,7 +30,8 @@ const toolView = (() => {
       const solid = { transparent: true };
       const hidden = material(THREE.MeshBasicMaterial, 0, { ...clear, opacity: 0.16, depthFunc: THREE.GreaterDepth });
       const front = material(THREE.MeshLambertMaterial, 3, { ...clear, opacity: 0.4 });
-      this.proxy = new CapsuleBatch([material(THREE.MeshLambertMaterial, 1, solid)]);
+      const steel = { ...solid, shininess: 60, specular: 0x999999 };
+      this.proxy = new CapsuleBatch([material(THREE.MeshPhongMaterial, 1, steel)]);
       this.bands = new CapsuleBatch([
         material(THREE.MeshBasicMaterial, 2, solid),
         material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.35, depthFunc: THREE.GreaterDepth }),
@@ -42,6 +43,7 @@ const toolView = (() => {
       this.batches = [this.proxy, this.bands, this.device, this.marks];
       this.objects = this.batches.flatMap(batch => batch.meshes);
       this.arrows = [];
+      this.rods = []; // what casts shadows
     }
 
     // snapshot: or null; colours by name, linear; camera: for the length of a pixel
@@ -49,6 +51,7 @@ const toolView = (() => {
     draw(snapshot, colours, camera, scales) {
       for (const batch of this.batches) batch.begin();
       this.arrows = [];
+      this.rods = [];
       if (snapshot) {
         for (const segment of snapshot.segments) this.addSegment(segment, colours, camera);
         for (const contact of snapshot.contacts) this.addContact(snapshot, contact, camera, scales);
@@ -61,6 +64,7 @@ const toolView = (() => {
       const thick = place => Math.max(Math.max(0, radius || 0), 1.5 * camera.pixelSize(place));
       this.device.add(a, b, thick(a), thick(b), 1, colours.device);
       this.proxy.add(proxyA, proxyB, thick(proxyA), thick(proxyB), 1, colours.proxy);
+      if (rays.isPlace(proxyA) && rays.isPlace(proxyB)) this.rods.push({ a: proxyA, b: proxyB, radius: thick(proxyA) });
       if (!rays.isPlace(p) || !rays.isPlace(q)) return;
       const line = 0.9 * camera.pixelSize(p);
       this.marks.add(p, q, line, line, 1, colours.pair);

@@ -16,6 +16,7 @@ const viewer = (() => {
   const LEAST_DEPTH = 1e-4; // m: the least end of the scale of colours
   const LEAST_FORCE = 0.1; // N: of the arrow's
   const FORCE_BAR = 70; // pixels: the most of the bar in the legend
+  const BAKE = 4; // ms of a picture's time for the bodies' shade, while it is not whole
   const THEMES = ["system", "dark", "light"];
   const element = id => document.getElementById(id);
 
@@ -46,6 +47,7 @@ const viewer = (() => {
   });
   const plot = new plots.Plots(element("plots"), ticks);
   const numbers = new readouts.Readouts(element("numbers"));
+  const edges = new smoothing.Smoothing();
   const labels = new arrowLabels.ArrowLabels(element("labels"));
   const calm = matchMedia("(prefers-reduced-motion: reduce)");
   const darkSystem = matchMedia("(prefers-color-scheme: dark)");
@@ -90,6 +92,7 @@ const viewer = (() => {
       : "";
     listMeshes(scene);
     numbers.reset();
+    edges.begin(scene.mode === "live");
     clearFrames();
     unpick();
     showScene(scene);
@@ -291,13 +294,16 @@ const viewer = (() => {
   function everyPicture(now) {
     own.view?.camera.advance(now);
     play.advance(now);
+    own.view?.bakeOn(BAKE);
     showFrame();
     if (own.scene) showScales();
-    if (own.view?.draw(false)) {
+    const drew = own.view?.draw(false) ?? false;
+    if (drew) {
       labels.show(own.view);
       showForceScale();
       countDrawing(now);
     }
+    if (own.view) edges.tick(now, drew, on => own.view.setSmooth(on));
     showPlots(now);
     showNumbers(now);
     showTime();

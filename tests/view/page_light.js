@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// node page_light.js PAGE.html ROOM: light that tells depth: shade, shadows, shine, and edges that are smooth in time. First
+// the parts alone, then what a headless Chromium draws.
+"use strict";
+const { launch, until } = require("./chromium.js");
+const { check, near, finish, assert, scripts } = require("./verdicts.js");
+const { pageWriter, visitRecording, seek, pixel, view } = require("./page_sights.js");
+const fixture = require("./stream_fixture.js");
+const known = fixture.recording();
+const { rays, occlusion, smoothing } = scripts("rays", "occlusion", "smoothing");
+const [template, room] = process.argv.slice(2);
+const write = pageWriter(template, room);
+const { middle, tube } = fixture.RING;
+const light = rgb => rgb.reduce((sum, value) => sum + (value / 255) ** 2.2, 0);
+
+function bake(meshes) {
+  const parts = meshes.map(({ positions, corners }) => {
+    const normals = new Float32Array(positions.length);
+    rays.makeNormals(positions, corners, normals);
+    return { places: positions, normals, corners, isClosed: true };
+  });
+  const work = new occlusion.Bake(parts);
+  for (let i = 0; i < 1000 && !work.isDone; i++) work.advance();
+  assert(work.isDone);
+  return work.shades();
+}
+
+async function shade() {
+  await check("a ball sees all of its sky; the inner side of a ring less of it than the outer one", () => {
+    const [ring, ball] = known.meshes;
+    const [open] = bake([ball]);
+    assert(Math.min(...open) > 0.97, `the ball: ${Math.min(...open)}`);
+    const [shades] = bake([ring]);
+    const sides = { inner: [], outer: [] };
+    shades.forEach((value, i) => {
+      const [x, y, z] = ring.positions.subarray(3 * i, 3 * i + 3);
+      const from = Math.hypot(x, y);
+      if (Math.abs(z) < 0.2 * tube) sides[from < middle ? "inner" : "outer"].push(value);
+    });
+    const [inner, outer] = [Math.max(...sides.inner), Math.min(...sides.outer)];
+    assert(outer > 0.95 && inner < 0.85 && inner > 0.3, `outer ${outer}, inner ${inner}`);
+  });
+  await check("what is below a wide roof is darker, what is beside it is not", () => {
+    const [, ball] = known.meshes;
+    const at = (by, z) => Float32Array.from(ball.positions, (value, i) => value + [by, 0, z][i % 3]);
+    const roof = { positions: Float32Array.from(ball.positions, (value, i) => value * [3, 3, 0.2][i % 3] + [0, 0, 0.06][i % 3]), corners: ball.corners };
+    const [below, beside] = bake([{ ...ball, positions: at(0, 0) }, { ...ball, positions: at(0.3, 0) }, roof]);
+    const top = ball.positions.reduce((best, value, i) => (i % 3 === 2 && value > ball.positions[3 * best + 2] ? (i - 2) / 3 : best), 0);
+    assert(below[top] < 0.6 && beside[top] > 0.9, `${below[top]}, ${beside[top]}`);
+  });
+}
+
+async function edges() {
+  // Pictures of so many ms, then rest; returns what was asked of the view at last, before and after the rest.
+  const run = (took, pictures, isSpared) => {
+    const one = new smoothing.Smoothing();
+    one.begin(isSpared);
+    let on = null;
+    let now = 0;
+    for (let i = 0; i < pictures; i++, now += took) one.tick(now, true, value => (on = value));
+    const moving = on;
+    let asked = 0;
+    for (let i = 0; i < 60; i++, now += 16) one.tick(now, false, value => ((on = value), asked++));
+    return [moving, on, asked];
+  };
+  await check("smooth edges go when pictures come slower than 30 a second, and come back at rest, once", () => {
+    assert.deepStrictEqual(run(16, 40, false), [true, true, 0]);
+    assert.deepStrictEqual(run(32, 40, false), [true, true, 0]);
+    assert.deepStrictEqual(run(36, 40, false), [false, true, 1]);
+    assert.deepStrictEqual(run(16, 40, true), [false, true, 1], "beside a running world");
+  });
+}
+
+// How bright places beside the tool are, along the ring's top, in parts of what they are in frame 0, where it is far above.
+async function beside(page, frame) {
+  const places = Array.from({ length: 20 }, (_, i) => middle + 0.005 + 0.0004 * i).map(x => [
+    x,
+    -0.016,
+    Math.sqrt(tube ** 2 - (Math.hypot(x, 0.016) - middle) ** 2),
+  ]);
+  const read = async () => {
+    const all = [];
+    for (const place of places) all.push(light(await pixel(page, place)));
+    return all;
+  };
+  await seek(page, 0);
+  const free = await read();
+  await seek(page, frame);
+  const parts = (await read()).map((value, i) => value / free[i]);
+  const darkest = Math.min(...parts);
+  return { darkest, at: 1e3 * (places[parts.indexOf(darkest)][0] - middle), brightest: Math.max(...parts) };
+}
+
+async function shadows(browser) {
+  const page = await visitRecording(browser, write("ring", fixture.stream()), fixture.FRAMES);
+  await view(page, "5");
+  await page.ask("viewer.own.view.tools.objects.forEach(({ layers }) => layers.disableAll()), 0"); // its shadow alone is seen
+  await check("the tool throws a shadow on the ring, which is farther from it the higher it is", async () => {
+    const low = await beside(page, 48); // 8 mm above the ring
+    const high = await beside(page, 39); // 14 mm
+    const said = JSON.stringify([low, high]);
+    assert(low.darkest < 0.75 && high.darkest < 0.88 && high.darkest > low.darkest + 0.05, said);
+    assert(low.brightest > low.darkest + 0.1 && high.brightest > high.darkest + 0.1 && high.brightest <= 1.02, said);
+    // The sun stands 0.7 to the left and 1.1 towards the eye: a shadow moves by 7/11 of the height.
+    near(high.at - low.at, (7 / 11) * 6, 1.5, "mm to the right:");
+  });
+  assert.deepStrictEqual(page.said, []);
+  await browser.leave(page);
+}
+
+async function looks(browser) {
+  const bright = {};
+  for (const look of ["organ", "cloth", "bone"]) {
+    const bodies = [{ id: 11, mesh: 0, pose: [0, 0, 0, 1, 0, 0, 0], name: "ring", colour: [0.5, 0.1, 0.1], look }];
+    const scene = fixture.sceneMessage(known.meshes.slice(0, 1), { mode: "mesh", device: null, bodies });
+    const page = await browser.visit(write(look, fixture.streamOf([scene])));
+    await until("its shade", () => page.ask("viewer.own.view?.bake.isDone ?? false"));
+    await view(page, "5");
+    // Half way between eye and sun, the ring's outer upper left.
+    const seen = [];
+    for (let i = 0; i < 24; i++)
+      for (const up of [0.7, 0.9, 1.2]) {
+        const turn = (2 * Math.PI * i) / 24;
+        const out = middle + 0.98 * tube * Math.cos(up);
+        seen.push((await pixel(page, [out * Math.cos(turn), out * Math.sin(turn), tube * Math.sin(up)]))[2]);
+      }
+    bright[look] = Math.max(...seen);
+    await browser.leave(page);
+  }
+  await check("organs shine, bone a little, cloth not", () => {
+    assert(bright.organ > bright.bone + 15 && bright.bone > bright.cloth + 5, JSON.stringify(bright));
+  });
+}
+
+(async () => {
+  await shade();
+  await edges();
+  const browser = launch(room);
+  await shadows(browser);
+  await looks(browser);
+  await browser.close();
+  finish();
+})().catch(error => {
+  console.log(`FAIL the light's test itself: ${error.stack}`);
+  process.exit(1);
+});

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a body looks: one light, shade baked a vertex, the tools' shadows on it, and the shine of what it is. A shader of our
+// own: where a processor draws, it is cheaper than the general ones of three.js, and these know no soft shadow of a rod.
+"use strict";
+const surfaceLight = (() => {
+  const RODS = 6; // that cast shadows
+  const REACH = 10; // radii of a rod: beyond, its shadow is too faint to be seen
+  const FINE = 1.3; // radii of a rod: edges that are shorter show its shadow
+  const VEIL = 0.3; // opacity of what hides the tool
+  const VEIL_ORDER = 5; // after the tool, before the marks
+  // wet: how strong the sun's reflection is; dull: likewise, spread wide; rim: how bright what is seen from the side gets
+  const LOOKS = {
+    organ: { wet: 0.26, dull: 0.05, rim: 0.16 },
+    cloth: { wet: 0, dull: 0, rim: 0.3 },
+    bone: { wet: 0.05, dull: 0.16, rim: 0.06 },
+  };
+
+  // How much of sun and sky the rods leave: the sun along its ray, the sky by how near they are.
+  const BESIDE_RODS = `
+    #if RODS > 0
+    uniform vec4 rodFrom[RODS]; // an end, and the radius
+    uniform vec4 rodAxis[RODS]; // from it to the other end, and the square of how far the shadow reaches from its middle
+    uniform vec3 rodParts[RODS]; // axis along the sun; 1 / square of the axis across the sun; 1 / square of the axis
+
+    vec2 besideRod(vec3 from, vec3 axis, vec3 parts, float radius, vec3 normal) {
+      float f = dot(from, sun);
+      float g = dot(from, axis);
+      float s = clamp((g - parts.x * f) * parts.y, 0.0, 1.0);
+      float t = max(s * parts.x - f, 0.0);
+      float gap = length(from + t * sun - s * axis) - radius;
+      float soft = 0.3 * radius + 0.2 * t; // a sun that is not a point: the farther the rod, the softer
+      float cover = clamp(0.5 - gap / soft, 0.0, 1.0) * min(1.0, 2.0 * radius / soft);
+      vec3 to = clamp(g * parts.z, 0.0, 1.0) * axis - from;
+      float near = dot(to, to);
+      float sky = max(dot(to, normal), 0.0) * radius * radius * inversesqrt(near) / max(near, radius * radius);
+      return vec2(1.0 - 0.85 * cover, 1.0 - 0.8 * clamp(sky, 0.0, 1.0));
+    }
+    #endif
+
+    vec2 besideRods(vec3 at, vec3 normal) {
+      vec2 left = vec2(1.0);
+      #if RODS > 0
+      #pragma unroll_loop_start
+      for (int i = 0; i < RODS; i++) {
+        {
+          vec3 from = at - rodFrom[ i ].xyz;
+          vec3 beside = from - 0.5 * rodAxis[ i ].xyz;
+          float along = dot(beside, sun);
+          if (dot(beside, beside) - along * along < rodAxis[ i ].w)
+            left *= besideRod(from, rodAxis[ i ].xyz, rodParts[ i ], rodFrom[ i ].w, normal);
+        }
+      }
+      #pragma unroll_loop_end
+      #endif
+      return left;
+    }`;
+
+  const VERTEX = `
+    attribute float shade;
+    varying vec3 across;
+    varying float open;
+    #ifdef FINE
+    uniform vec3 sun;
+    varying vec2 beside;
+    ${BESIDE_RODS}
+    #else
+    varying vec3 place;
+    #endif
+    void main() {
+      vec3 at = (modelMatrix * vec4(position, 1.0)).xyz;
+      across = mat3(modelMatrix) * normal;
+      open = shade;
+      #ifdef FINE
+      beside = besideRods(at, across);
+      #else
+      place = at;
+      #endif
+      gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0));
+    }`;
+
+  const FRAGMENT = `
+    uniform vec3 colour;
+    uniform vec3 sun;
+    uniform vec3 above;
+    uniform vec3 toEye; // as if the eye were far away: one direction for all places
+    uniform vec3 between; // sun and eye
+    uniform vec3 shine;
+    uniform float opacity;
+    varying vec3 across;
+    varying float open;
+    #ifdef FINE
+    varying vec2 beside;
+    #else
+    varying vec3 place;
+    ${BESIDE_RODS}
+    #endif
+
+    void main() {
+      vec3 normal = normalize(across);
+      #ifdef BOTH_SIDES
+        if (!gl_FrontFacing) normal = -normal;
+      #endif
+      #ifdef FINE
+      vec2 left = beside;
+      #else
+      vec2 left = besideRods(place, normal);
+      #endif
+      float facing = max(dot(normal, sun), 0.0);
+      float sky = (0.36 + 0.2 * dot(normal, above)) * open * left.y;
+      float side = 1.0 - max(dot(normal, toEye), 0.0);
+      side *= side;
+      vec3 light = vec3(sky) + vec3(0.86, 0.84, 0.8) * (facing * left.x * (0.45 + 0.55 * open));
+      float mirrored = max(dot(normal, between), 0.0);
+      mirrored *= mirrored;
+      mirrored *= mirrored;
+      mirrored *= mirrored;
+      float tight = mirrored * mirrored;
+      tight *= tight;
+      tight *= tight;
+      float gleam = (shine.x * tight + shine.y * mirrored) * left.x * open;
+      vec3 linear = min(colour * (light + 2.0 * shine.z * side * sky) + vec3(gleam), vec3(1.0));
+      gl_FragColor = vec4(1.13 * sqrt(linear) - 0.13 * linear, opacity); // sRGB within 0.012
+    }`;
+
+  // What all bodies of a scene share: the light, and the rods in it.
+  const sharedUniforms = () => ({
+    sun: { value: new THREE.Vector3(0, 0, 1) },
+    above: { value: new THREE.Vector3(0, 0, 1) },
+    toEye: { value: new THREE.Vector3(0, 0, 1) },
+    between: { value: new THREE.Vector3(0, 0, 1) },
+    rodFrom: { value: [] },
+    rodAxis: { value: [] },
+    rodParts: { value: [] },
+  });
+
+  // m: the length of the edge of an equilateral triangle as large as the mesh's are on average.
+  function usualEdge({ positions, corners }) {
+    let area = 0;
+    for (let i = 0; i < corners.length; i += 3) {
+      const [a, b, c] = [0, 1, 2].map(k => positions.subarray(3 * corners[i + k], 3 * corners[i + k] + 3));
+      const [ux, uy, uz, vx, vy, vz] = [b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+      area += 0.5 * Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
+    }
+    return Math.sqrt((4 / Math.sqrt(3)) * (area / Math.max(1, corners.length / 3)));
+  }
+
+  /*
+   *   look       a name of LOOKS
+   *   bothSides  the body is an open sheet
+   *   edge       m, of its triangles: shadows of rods that are thicker are found at the vertices, which costs far less
+   */
+  function materialOf(shared, look, bothSides, edge) {
+    const { wet, dull, rim } = LOOKS[look];
+    const material = new THREE.ShaderMaterial({
+      vertexShader: VERTEX,
+      fragmentShader: FRAGMENT,
+      side: bothSides ? THREE.DoubleSide : THREE.FrontSide,
+      defines: { RODS: 0, ...(bothSides ? { BOTH_SIDES: "" } : {}) },
+      uniforms: {
+        ...shared,
+        colour: { value: new THREE.Color() },
+        opacity: { value: 1 },
+        shine: { value: new THREE.Vector3(wet, dull, rim) },
+      },
+    });
+    material.userData.edge = edge;
+    return material;
+  }
+
+  /*
+   *   sun, above, toEye  directions
+   *   rods               [{ a, b, radius }...]; those beyond RODS cast no shadow
+   */
+  function setLight(shared, sun, above, toEye, rods) {
+    shared.sun.value.set(...sun).normalize();
+    shared.above.value.set(...above);
+    shared.toEye.value.set(...toEye);
+    shared.between.value.copy(shared.sun.value).add(shared.toEye.value).normalize();
+    const few = rods.slice(0, RODS);
+    const { x, y, z } = shared.sun.value;
+    shared.rodFrom.value = few.map(({ a, radius }) => new THREE.Vector4(...a, radius));
+    shared.rodAxis.value = few.map(({ a, b, radius }) => {
+      const axis = rays.sub(b, a);
+      return new THREE.Vector4(...axis, (rays.length(axis) / 2 + REACH * radius) ** 2);
+    });
+    shared.rodParts.value = few.map(({ a, b }) => {
+      const axis = rays.sub(b, a);
+      const square = Math.max(1e-12, rays.dot(axis, axis));
+      const along = rays.dot(axis, [x, y, z]);
+      return new THREE.Vector3(along, 1 / Math.max(1e-6 * square, square - along * along), 1 / square);
+    });
+  }
+
+  // Whether what is behind a body is seen through it.
+  function setVeil(object, on) {
+    const { material } = object;
+    material.transparent = on;
+    material.depthWrite = !on;
+    material.uniforms.opacity.value = on ? VEIL : 1;
+    object.renderOrder = on ? VEIL_ORDER : 0;
+  }
+
+  // Another number of rods needs another program, and so do rods that have become thin for the mesh.
+  function fitTo(shared, material) {
+    const { defines, userData } = material;
+    const { length } = shared.rodFrom.value;
+    const isFine = shared.rodFrom.value.every(({ w }) => userData.edge < FINE * w);
+    if (defines.RODS === length && "FINE" in defines === isFine) return;
+    defines.RODS = length;
+    if (isFine) defines.FINE = "";
+    else delete defines.FINE;
+    material.needsUpdate = true;
+  }
+
+  return { LOOKS, sharedUniforms, materialOf, usualEdge, setLight, setVeil, fitTo };
+})();
