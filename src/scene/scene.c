@@ -190,6 +190,17 @@ static uint32_t load_segments(struct scene *scene, const struct scene_def *def, 
     return 1;
 }
 
+/* What the user asks for; else the listed scene's, and a stylus for what is one. */
+static enum tool_look look_of(const struct scene *scene, const struct scene_def *def)
+{
+    const struct listed_scene *listed = def->scene_bytes.bytes || def->body_count ? NULL : scene_listed(def->path);
+    if (def->file && def->file->look >= 0)
+        return (enum tool_look)def->file->look;
+    if (scene->tool_arm || def->segment_count || (def->file && def->file->segment_count))
+        return TOOL_LOOK_NONE;
+    return listed && listed->look ? listed->look : TOOL_LOOK_STYLUS;
+}
+
 /* The bodies, of a name or of a file. */
 static dpt_result open_bodies(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
@@ -280,6 +291,7 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
     scene->piercing = def->piercing;
     DPT_TRY(make_tips(scene, def, error));
     DPT_TRY(place_device(scene, def, error));
+    scene->look = look_of(scene, def);
     scene->segment_count = load_segments(scene, def, scene->segments, error);
     return scene->segment_count ? DPT_OK : error->code;
 }

@@ -54,6 +54,7 @@ struct scene {
     dpt_device_info device;
     int has_camera;
     double camera[9]; /* as in scene_file */
+    enum tool_look look;
     void *bytes, *tool_bytes;
 };
 

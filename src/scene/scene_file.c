@@ -97,7 +97,8 @@ static void read_piercing(struct scene_file *file, struct json_reader *reader, c
 static void read_tool(struct scene_file *file, struct json_reader *reader, const struct json_value *at,
                       const char *path)
 {
-    static const char *const keys[] = { "length", "radius", "segments", "arm", "jaw", "tips", "law", "piercing", NULL };
+    static const char *const keys[] = { "length", "radius", "segments", "arm",      "jaw",
+                                        "tips",   "law",    "look",     "piercing", NULL };
     if (!json_check_object(reader, at, keys))
         return;
     const struct json_value segments = json_member(at, "segments"), arm = json_member(at, "arm"),
@@ -116,6 +117,7 @@ static void read_tool(struct scene_file *file, struct json_reader *reader, const
         read_jaw(&file->jaw, reader, at);
     file->law = json_take_word(reader, at, "law", law_names, -1);
     read_piercing(file, reader, at);
+    file->look = json_take_word(reader, at, "look", tool_look_words, -1);
 }
 
 static void read_device(struct scene_file *file, struct json_reader *reader, const struct json_value *at)
@@ -217,8 +219,9 @@ static void read_scene(struct scene_file *file, struct json_reader *reader, cons
 int scene_file_parse(struct scene_file *file, const char *path, const char *text, size_t size, struct json_fault *fault)
 {
     struct json_reader reader;
-    *file =
-        (struct scene_file){ .length = NAN, .radius = NAN, .law = -1, .zoom = NAN, .force_scale = NAN, .clutch = -1 };
+    *file = (struct scene_file){
+        .length = NAN, .radius = NAN, .law = -1, .look = -1, .zoom = NAN, .force_scale = NAN, .clutch = -1
+    };
     file_identity_add(&file->identity, text, size);
     const struct json_value whole = json_read(&reader, text, size);
     read_scene(file, &reader, &whole, path);

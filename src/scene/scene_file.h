@@ -41,7 +41,7 @@ struct scene_file {
     struct tip_shapes tips; /* beside these */
     struct jaw_motion jaw;  /* of the arm's tool */
     double length, radius;
-    int law;
+    int law, look;     /* look: enum tool_look */
     uint32_t piercing; /* DPT_PIERCING_..., of a stylus or of one segment */
     char *device;      /* as of --device */
     double zoom, force_scale, origin[3];

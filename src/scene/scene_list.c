@@ -100,6 +100,7 @@ static const struct listed_scene scenes[] = {
                     .look = BODY_LOOK_CLOTH } } },
     { .name = "laparoscopy",
       STYLUS,
+      .look = TOOL_LOOK_FORCEPS,
       .origin = { 0.0038, 0.0545, 0.0012 },
       .has_origin = 1,
       .bodies = { { .shape = "liver",

@@ -16,6 +16,16 @@ enum { LISTED_BODIES_MAX = 8 };
 /* What a body looks like: in the viewer. */
 enum body_look { BODY_LOOK_ORGAN, BODY_LOOK_CLOTH, BODY_LOOK_BONE };
 
+/* The instrument that is seen where the tool is, beyond what is felt. */
+enum tool_look {
+    TOOL_LOOK_NONE,
+    TOOL_LOOK_STYLUS,
+    TOOL_LOOK_NEEDLE,
+    TOOL_LOOK_SCALPEL,
+    TOOL_LOOK_FORCEPS,
+    TOOL_LOOK_LAPAROSCOPE
+};
+
 struct listed_body {
     const char *shape; /* NULL: the list of bodies ends here */
     uint64_t triangles;
@@ -46,6 +56,7 @@ struct listed_scene {
     int has_origin;
     double length, radius; /* of the stylus, where the user gives none */
     uint32_t is_needle;    /* 1: it stands upright, and its end a pierces, where the user gives no other tool */
+    enum tool_look look;   /* TOOL_LOOK_NONE: the stylus's */
     struct listed_body bodies[LISTED_BODIES_MAX + 1];
 };
 

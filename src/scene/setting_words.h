@@ -23,6 +23,9 @@ static const char *const integrator_words[] = { "symplectic", "euler", "implicit
 /* enum body_look */
 static const char *const body_look_words[] = { "organ", "cloth", "bone", NULL };
 
+/* enum tool_look */
+static const char *const tool_look_words[] = { "none", "stylus", "needle", "scalpel", "forceps", "laparoscope", NULL };
+
 /* A setting that a text names: an option of the program, or a field or a flag of dpt_host_def. */
 struct setting_names {
     const char *law, *length, *radius, *physics, *tool, *tip, *jaw, *unstable, *embed;

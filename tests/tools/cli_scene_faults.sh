@@ -121,6 +121,7 @@ in_body '.position[1]: must be -1e+06 to 1e+06; it is 2e+06' '"shape": "box", "p
 in_body '.orientation: a quaternion w, x, y, z has the length 1; this has 2' '"shape": "box", "orientation": [1, 1, 1, 1]'
 in_body '.orientation: a quaternion w, x, y, z has the length 1; this has 0' '"shape": "box", "orientation": [0, 0, 0, 0]'
 in_body '.colour: has red, green and blue from 0 to 1' '"shape": "box", "colour": [0, -0.1, 0]'
+in_scene "tool.look: 'axe' is none of: none, stylus, needle, scalpel, forceps, laparoscope" '"tool": { "look": "axe" }'
 in_body ".look: 'wood' is none of: organ, cloth, bone" '"shape": "box", "look": "wood"'
 in_body '.colour[0]: must be -1 to 1; it is 255' '"shape": "box", "colour": [255, 0, 0]'
 

@@ -251,6 +251,8 @@ void *view_scene_message(const struct view_scene *scene, size_t *size)
         append(&text, "null");
     append(&text, ",\"camera\":");
     append_list(&text, scene->camera, 9);
+    append(&text, ",\"look\":");
+    append_string(&text, tool_look_words[scene->look]);
     append_device(&text, scene);
     if (!text.is_bad) {
         append_bodies(&text, scene, &parts);
@@ -309,6 +311,7 @@ void *scene_picture_message(const struct scene *scene, const struct scene_pictur
                                .up = scene->arm ? "z" : "y",
                                .camera = scene->has_camera ? scene->camera : NULL,
                                .force_max = picture->force_max,
+                               .look = scene->look,
                                .bodies = list,
                                .body_count = bodies->count };
     map_workspace(scene, told.workspace);

@@ -28,6 +28,7 @@ struct view_scene {
     const char *up;       /* "y" or "z" */
     const double *camera; /* position, target, up: nine numbers; NULL: the page's */
     double force_max;     /* N; 0: not known */
+    enum tool_look look;
     const struct view_scene_body *bodies;
     uint32_t body_count;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Many rounded rods in one drawing: tools, contacts, lines and arrows. A rod goes from a to b with a radius at each end;
-// `roundness` is the height of its caps in radii: 1 makes half balls, 0 flat ends. Radius 0 makes a tip.
+// `roundness` is the height of its caps in radii: 1 makes half balls, 0 flat ends. Radius 0 makes a tip. A rod may be flat:
+// thinner across `side` and its axis.
 "use strict";
 const capsuleBatch = (() => {
   const AROUND = 20; // faces around the rod
@@ -53,15 +54,16 @@ const capsuleBatch = (() => {
     }
 
     // colour: [red, green, blue], 0..1 each, as the renderer counts (linear)
-    add(a, b, radiusA, radiusB, roundness, colour) {
+    // flat: how thick it is in parts of its width; side: a direction across it, in which it has its width
+    add(a, b, radiusA, radiusB, roundness, colour, flat = 1, side = null) {
       if (![...a, ...b, radiusA, radiusB].every(Number.isFinite)) return;
-      this.list.push({ a, b, radiusA, radiusB, roundness, colour });
+      this.list.push({ a, b, radiusA, radiusB, roundness, colour, flat, side });
     }
 
-    write({ a, b, radiusA, radiusB, roundness, colour }, rod) {
+    write({ a, b, radiusA, radiusB, roundness, colour, flat, side: along }, rod) {
       const length = rays.length(rays.sub(b, a));
       const w = length > 0 ? rays.sub(b, a).map(x => x / length) : [0, 0, 1];
-      const u = across(w);
+      const u = along ?? across(w);
       const v = [w[1] * u[2] - w[2] * u[1], w[2] * u[0] - w[0] * u[2], w[0] * u[1] - w[1] * u[0]];
       let at = 3 * PER_ROD * rod;
       for (let ring = 0; ring < RINGS; ring++) {
@@ -76,9 +78,9 @@ const capsuleBatch = (() => {
           const c = Math.cos(turn);
           const s = Math.sin(turn);
           for (let k = 0; k < 3; k++, at++) {
-            const side = c * u[k] + s * v[k];
+            const side = c * u[k] + flat * s * v[k];
             this.position[at] = end[k] + radius * (out * side + roundness * up * w[k]);
-            this.normal[at] = out * side + up * w[k];
+            this.normal[at] = out * (flat * c * u[k] + s * v[k]) + up * w[k];
             this.color[at] = colour ? colour[k] : 1;
           }
         }

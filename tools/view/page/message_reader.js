@@ -11,6 +11,7 @@ const messageReader = (() => {
   const TICK = 40;
   const POSE = 7;
   const LOOKS = ["organ", "cloth", "bone"];
+  const TOOL_LOOKS = ["none", "stylus", "needle", "scalpel", "forceps", "laparoscope"];
   const isCount = value => Number.isInteger(value) && value >= 0 && value < 2 ** 32;
   const isText = value => typeof value === "string" && value.length <= 4096;
   const areNumbers = (value, count) => Array.isArray(value) && value.length === count && value.every(Number.isFinite);
@@ -96,6 +97,8 @@ const messageReader = (() => {
     );
     const camera = json.camera ?? null;
     demand(camera === null || areNumbers(camera, 9), "The scene's camera is not nine numbers.");
+    const look = json.look ?? null;
+    demand(look === null || TOOL_LOOKS.includes(look), "The tool's look is not known.");
     const meshes = json.meshes.map((mesh, i) => readMesh(mesh, blob, i));
     const ids = new Set();
     const bodies = json.bodies.map(body => {
@@ -125,6 +128,7 @@ const messageReader = (() => {
       up: json.up === "y" ? "y" : "z",
       forceMax,
       camera,
+      look,
       meshes,
       bodies,
     };

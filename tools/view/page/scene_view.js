@@ -19,6 +19,10 @@ const sceneView = (() => {
     "pair",
     "force",
     "rim",
+    "steel",
+    "grip",
+    "accent",
+    "glass",
     "strip",
     "picked",
     "workspace",
@@ -121,7 +125,7 @@ const sceneView = (() => {
       this.scene = scene;
       this.snapshot = null;
       this.picked = null;
-      this.scales.control = scene.control;
+      Object.assign(this.scales, { control: scene.control, look: scene.look });
       this.camera.up = scene.up;
       this.readColours();
       this.show(null, new Map());

@@ -32,6 +32,7 @@ const toolView = (() => {
       const front = material(THREE.MeshLambertMaterial, 3, { ...clear, opacity: 0.4 });
       const steel = { ...solid, shininess: 60, specular: 0x999999 };
       this.proxy = new CapsuleBatch([material(THREE.MeshPhongMaterial, 1, steel)]);
+      this.dress = new CapsuleBatch([material(THREE.MeshPhongMaterial, 1, steel)]); // for the eye alone
       this.bands = new CapsuleBatch([
         material(THREE.MeshBasicMaterial, 2, solid),
         material(THREE.MeshBasicMaterial, 4, { ...clear, opacity: 0.35, depthFunc: THREE.GreaterDepth }),
@@ -40,7 +41,7 @@ const toolView = (() => {
       this.marks = new CapsuleBatch([
         material(THREE.MeshBasicMaterial, 6, { transparent: true, depthTest: false, depthWrite: false }),
       ]);
-      this.batches = [this.proxy, this.bands, this.device, this.marks];
+      this.batches = [this.dress, this.proxy, this.bands, this.device, this.marks];
       this.objects = this.batches.flatMap(batch => batch.meshes);
       this.arrows = [];
       this.rods = []; // what casts shadows
@@ -54,6 +55,7 @@ const toolView = (() => {
       this.rods = [];
       if (snapshot) {
         for (const segment of snapshot.segments) this.addSegment(segment, colours, camera);
+        if (scales.look) for (const tool of snapshot.tools) this.addDress(snapshot, tool, colours, scales.look);
         for (const contact of snapshot.contacts) this.addContact(snapshot, contact, camera, scales);
         for (const tool of snapshot.tools) this.addTool(snapshot, tool, colours, camera, scales);
       }
@@ -69,6 +71,19 @@ const toolView = (() => {
       const line = 0.9 * camera.pixelSize(p);
       this.marks.add(p, q, line, line, 1, colours.pair);
       for (const end of [p, q]) this.marks.add(end, end, 2.6 * line, 2.6 * line, 1, colours.pair);
+    }
+
+    // The instrument on the tool's first segment.
+    addDress(snapshot, tool, colours, look) {
+      const segment = snapshot.segments[tool.firstSegment];
+      if (!segment || tool.segments === 0) return;
+      const { proxyA, proxyB, radius } = segment;
+      const pose = tool.isFree ? null : tool.proxy;
+      for (const rod of instruments.rodsOf(look, proxyA, proxyB, radius, pose))
+        this.dress.add(rod.a, rod.b, rod.radiusA, rod.radiusB, rod.round, colours[rod.of], rod.flat, rod.side);
+      const own = this.rods.find(({ a }) => a === proxyA);
+      const long = rays.length(rays.sub(proxyB, proxyA));
+      if (own && long > 0) own.b = rays.along(proxyA, proxyB, 1 + (instruments.shaftOf(look) * own.radius) / long);
     }
 
     addContact(snapshot, contact, camera, scales) {
