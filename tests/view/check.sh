@@ -41,6 +41,7 @@ fi
 count "the picture" node tests/view/page_picture.js "$view/page.html" "$room"
 count "its light" node tests/view/page_light.js "$view/page.html" "$room"
 count "its instruments" node tests/view/page_instruments.js "$view/page.html" "$room"
+count "its colours" node tests/view/page_colours.js "$view/page.html" "$room"
 count "a recording" node tests/view/page_recording.js "$view/page.html" "$room"
 count "a running world" node tests/view/page_live.js "$view" "$room"
 if grep -q HAS_LWS "$build/built_with.h" && grep -q HAS_VIEW_PAGE "$build/built_with.h"; then

@@ -15,7 +15,7 @@ const touchMessages = (() => {
     const { corners, numbers } = mesh.getTriangles();
     const parts = [positions, corners, numbers];
     const places = parts.map((_, i) => parts.slice(0, i).reduce((sum, part) => sum + part.byteLength, 0));
-    const { colour = null, title } = touch.scene;
+    const { colour = null, look = "organ", title } = touch.scene;
     const json = {
       title,
       mode: "live",
@@ -24,6 +24,7 @@ const touchMessages = (() => {
       frame_rate: 60,
       force_max: null,
       camera: null,
+      look: "stylus",
       meshes: [
         {
           name: "",
@@ -34,7 +35,7 @@ const touchMessages = (() => {
           sources: places[2],
         },
       ],
-      bodies: [{ id: body, name: title, mesh: 0, pose, colour }],
+      bodies: [{ id: body, name: title, mesh: 0, pose, colour, look }],
       ...details,
     };
     const text = new TextEncoder().encode(JSON.stringify(json));

@@ -49,6 +49,25 @@ const bodyView = (() => {
       position.needsUpdate = normal.needsUpdate = true;
     }
 
+    // How far each vertex is from where the mesh has it, for the shader; returns the most, m.
+    measureMoved() {
+      const { geometry } = this.object;
+      if (!geometry.attributes.moved) {
+        const moved = new THREE.BufferAttribute(new Float32Array(this.mesh.vertices), 1);
+        geometry.setAttribute("moved", moved.setUsage(THREE.DynamicDrawUsage));
+      }
+      const { moved } = geometry.attributes;
+      const [now, rest] = [this.positions, this.mesh.positions];
+      let most = 0;
+      for (let i = 0, k = 0; i < now.length; i += 3, k++) {
+        const by = Math.hypot(now[i] - rest[i], now[i + 1] - rest[i + 1], now[i + 2] - rest[i + 2]);
+        moved.array[k] = by;
+        if (by > most) most = by;
+      }
+      moved.needsUpdate = true;
+      return most;
+    }
+
     toScene(place) {
       return rays.turn(this.rotation, place).map((value, k) => value + this.place[k]);
     }

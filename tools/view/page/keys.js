@@ -37,7 +37,7 @@ const keys = (() => {
     PageUp: ["back", -1],
     PageDown: ["back", 1],
   };
-  const ACTS = { f: "fit", p: "save", t: "theme", "?": "help", Enter: "pick", Escape: "unpick" };
+  const ACTS = { f: "fit", p: "save", t: "theme", o: "deformation", "?": "help", Enter: "pick", Escape: "unpick" };
   // What an element with the focus does with a key by itself.
   const own = (element, key) =>
     element.closest("dialog") ||

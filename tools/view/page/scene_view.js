@@ -8,6 +8,7 @@ const sceneView = (() => {
   const SMOOTH_RATIO = 2; // pixels drawn for one of the picture, along each side, where edges are made smooth by that
   const PROCESSOR = /SwiftShader|llvmpipe|softpipe|Basic Render|Software/i;
   const EDGE = { side: 24, top: 56, bottom: 50 }; // pixels that the legend and the buttons have
+  const LEAST_MOVED = 1e-4; // m: the least end of the deformation's colours
   const UNIT_BOX = [-1, -1, -1, 1, 1, 1];
   const COLOURS = [
     "background",
@@ -69,7 +70,7 @@ const sceneView = (() => {
       this.pickedMark = new Highlight(this.materials.picked);
       this.three.add(...this.tools.objects, this.strip.object, this.pickedMark.object);
       this.bodies = new Map();
-      this.isSmooth = false;
+      this.isSmooth = this.showsDeformation = false;
       this.scales = { radius: 1, force: 1, depth: 1, control: false };
       this.setScene(scene);
       canvas.addEventListener("webglcontextrestored", () => {
@@ -123,8 +124,7 @@ const sceneView = (() => {
       this.box = this.workspaceBox(scene.device?.workspace);
       if (this.box) this.three.add(this.box);
       this.scene = scene;
-      this.snapshot = null;
-      this.picked = null;
+      Object.assign(this, { snapshot: null, picked: null, mostMoved: 0 });
       Object.assign(this.scales, { control: scene.control, look: scene.look });
       this.camera.up = scene.up;
       this.readColours();
@@ -266,6 +266,18 @@ const sceneView = (() => {
       this.camera.resize(width, height);
     }
 
+    // Colours of how far the surfaces have moved, if they are asked for.
+    showDeformation() {
+      let most = 0;
+      for (const view of this.bodies.values()) {
+        if (this.showsDeformation) most = Math.max(most, view.measureMoved());
+        surfaceLight.setDeformation(view.object.material, this.showsDeformation);
+      }
+      this.mostMoved = Math.max(this.mostMoved, most);
+      this.scales.moved = scale.roundUp(Math.max(LEAST_MOVED, this.mostMoved));
+      this.light.movedScale.value = this.scales.moved;
+    }
+
     // A sheet that lies between the eye and a tool that does not touch it is seen through.
     veilSheets() {
       const eye = this.camera.object.position.toArray();
@@ -310,6 +322,8 @@ const sceneView = (() => {
       const sun = back.map((value, k) => 1.1 * value + 1.2 * above[k] - 0.7 * right[k]);
       this.sun.position.set(...target.map((value, k) => value + radius * sun[k]));
       surfaceLight.setLight(this.light, sun, this.camera.turned([0, 0, 1]), back, this.tools.rods);
+      surfaceLight.setPatches(this.light, this.tools.patches);
+      this.showDeformation();
       this.veilSheets();
       for (const { object } of this.bodies.values()) surfaceLight.fitTo(this.light, object.material);
       this.renderer.render(this.three, this.camera.object);

@@ -4,6 +4,7 @@
 "use strict";
 const surfaceLight = (() => {
   const RODS = 6; // that cast shadows
+  const PATCHES = 2; // of contact that are marked
   const REACH = 10; // radii of a rod: beyond, its shadow is too faint to be seen
   const FINE = 1.3; // radii of a rod: edges that are shorter show its shadow
   const VEIL = 0.3; // opacity of what hides the tool
@@ -59,12 +60,16 @@ const surfaceLight = (() => {
     attribute float shade;
     varying vec3 across;
     varying float open;
+    varying vec3 place;
+    #ifdef DEFORMATION
+    attribute float moved;
+    uniform float movedScale;
+    varying float movedPart;
+    #endif
     #ifdef FINE
     uniform vec3 sun;
     varying vec2 beside;
     ${BESIDE_RODS}
-    #else
-    varying vec3 place;
     #endif
     void main() {
       vec3 at = (modelMatrix * vec4(position, 1.0)).xyz;
@@ -72,9 +77,11 @@ const surfaceLight = (() => {
       open = shade;
       #ifdef FINE
       beside = besideRods(at, across);
-      #else
-      place = at;
       #endif
+      #ifdef DEFORMATION
+      movedPart = moved / movedScale;
+      #endif
+      place = at;
       gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0));
     }`;
 
@@ -86,14 +93,30 @@ const surfaceLight = (() => {
     uniform vec3 between; // sun and eye
     uniform vec3 shine;
     uniform float opacity;
+    uniform sampler2D ramp;
+    uniform vec4 patchFrom[${PATCHES}]; // an end of a contact, and the square of how far its mark reaches from it
+    uniform vec4 patchAxis[${PATCHES}]; // from it to the other end, and half the mark's width
+    uniform vec4 patchNormal[${PATCHES}]; // and the depth, in parts of the scale
     varying vec3 across;
     varying float open;
+    varying vec3 place;
+    #ifdef DEFORMATION
+    varying float movedPart;
+    #endif
     #ifdef FINE
     varying vec2 beside;
     #else
-    varying vec3 place;
     ${BESIDE_RODS}
     #endif
+
+    // Colour of depth under a contact, and how much of it is seen: as pressure lies under a roller, most in the middle.
+    vec4 patchColour(vec3 from, vec4 axis, vec4 normal) {
+      float s = clamp(dot(from, axis.xyz) / max(dot(axis.xyz, axis.xyz), 1e-12), 0.0, 1.0);
+      vec3 beside = from - s * axis.xyz;
+      beside -= dot(beside, normal.xyz) * normal.xyz;
+      float pressure = sqrt(max(0.0, 1.0 - dot(beside, beside) / (axis.w * axis.w)));
+      return vec4(texture2D(ramp, vec2(normal.w * pressure, 0.5)).rgb, 0.9 * min(1.0, 2.5 * pressure));
+    }
 
     void main() {
       vec3 normal = normalize(across);
@@ -119,8 +142,36 @@ const surfaceLight = (() => {
       tight *= tight;
       float gleam = (shine.x * tight + shine.y * mirrored) * left.x * open;
       vec3 linear = min(colour * (light + 2.0 * shine.z * side * sky) + vec3(gleam), vec3(1.0));
-      gl_FragColor = vec4(1.13 * sqrt(linear) - 0.13 * linear, opacity); // sRGB within 0.012
+      vec3 shown = 1.13 * sqrt(linear) - 0.13 * linear; // sRGB within 0.012
+      #ifdef DEFORMATION
+      shown = mix(shown, texture2D(ramp, vec2(movedPart, 0.5)).rgb, 0.75 * min(1.0, 20.0 * movedPart));
+      #endif
+      #pragma unroll_loop_start
+      for (int i = 0; i < ${PATCHES}; i++) {
+        {
+          vec3 from = place - patchFrom[ i ].xyz;
+          if (dot(from, from) < patchFrom[ i ].w) {
+            vec4 mark = patchColour(from, patchAxis[ i ], patchNormal[ i ]);
+            shown = mix(shown, mark.rgb, mark.a);
+          }
+        }
+      }
+      #pragma unroll_loop_end
+      gl_FragColor = vec4(shown, opacity);
     }`;
+
+  const vectors = count => Array.from({ length: count }, () => new THREE.Vector4());
+
+  function rampTexture() {
+    const WIDE = 64;
+    const bytes = Uint8Array.from({ length: 4 * WIDE }, (_, i) =>
+      i % 4 === 3 ? 255 : scale.colour((i >> 2) / (WIDE - 1))[i % 4],
+    );
+    const texture = new THREE.DataTexture(bytes, WIDE, 1);
+    texture.minFilter = texture.magFilter = THREE.LinearFilter;
+    texture.needsUpdate = true;
+    return texture;
+  }
 
   // What all bodies of a scene share: the light, and the rods in it.
   const sharedUniforms = () => ({
@@ -131,6 +182,11 @@ const surfaceLight = (() => {
     rodFrom: { value: [] },
     rodAxis: { value: [] },
     rodParts: { value: [] },
+    ramp: { value: rampTexture() },
+    movedScale: { value: 1 },
+    patchFrom: { value: vectors(PATCHES) },
+    patchAxis: { value: vectors(PATCHES) },
+    patchNormal: { value: vectors(PATCHES) },
   });
 
   // m: the length of the edge of an equilateral triangle as large as the mesh's are on average.
@@ -191,6 +247,29 @@ const surfaceLight = (() => {
     });
   }
 
+  // patches: [{ a, b, normal, radius, depth, part }...] of contacts; the deepest are marked
+  function setPatches(shared, patches) {
+    const deepest = [...patches].sort((one, other) => other.depth - one.depth);
+    for (let i = 0; i < PATCHES; i++) {
+      const patch = deepest[i];
+      shared.patchFrom.value[i].w = 0;
+      if (!patch) continue;
+      const { a, b, normal, radius, depth, part } = patch;
+      const axis = rays.sub(b, a);
+      const half = radius + Math.sqrt(2 * radius * depth); // what a roller that is pressed in so deep touches, and its own width
+      shared.patchFrom.value[i].set(...a, (rays.length(axis) + 2 * half) ** 2);
+      shared.patchAxis.value[i].set(...axis, half);
+      shared.patchNormal.value[i].set(...normal, part);
+    }
+  }
+
+  function setDeformation(material, on) {
+    if ("DEFORMATION" in material.defines === on) return;
+    if (on) material.defines.DEFORMATION = "";
+    else delete material.defines.DEFORMATION;
+    material.needsUpdate = true;
+  }
+
   // Whether what is behind a body is seen through it.
   function setVeil(object, on) {
     const { material } = object;
@@ -212,5 +291,5 @@ const surfaceLight = (() => {
     material.needsUpdate = true;
   }
 
-  return { LOOKS, sharedUniforms, materialOf, usualEdge, setLight, setVeil, fitTo };
+  return { LOOKS, sharedUniforms, materialOf, usualEdge, setLight, setPatches, setDeformation, setVeil, fitTo };
 })();

@@ -45,6 +45,7 @@ const toolView = (() => {
       this.objects = this.batches.flatMap(batch => batch.meshes);
       this.arrows = [];
       this.rods = []; // what casts shadows
+      this.patches = []; // where it is in contact
     }
 
     // snapshot: or null; colours by name, linear; camera: for the length of a pixel
@@ -53,6 +54,7 @@ const toolView = (() => {
       for (const batch of this.batches) batch.begin();
       this.arrows = [];
       this.rods = [];
+      this.patches = [];
       if (snapshot) {
         for (const segment of snapshot.segments) this.addSegment(segment, colours, camera);
         if (scales.look) for (const tool of snapshot.tools) this.addDress(snapshot, tool, colours, scales.look);
@@ -96,6 +98,10 @@ const toolView = (() => {
       const more = long > 0 ? (1.5 * pixel) / long : 0; // a contact in one point is seen too
       const thick = Math.max(0, segment.radius || 0) + 2 * pixel;
       const depth = depths.ofContact(snapshot, contact);
+      const [a, b] = [contact.s0, contact.s1].map(s => rays.along(proxyA, proxyB, s));
+      const normal = rays.isPlace(contact.normal) ? contact.normal : null;
+      if (depth > 0 && normal && rays.isPlace(a) && rays.isPlace(b))
+        this.patches.push({ a, b, normal, radius: thick, depth, part: Math.min(1, depth / scales.depth) });
       const rgb = new THREE.Color(`rgb(${scale.colour(depth / scales.depth).join(",")})`).toArray();
       this.bands.add(
         rays.along(proxyA, proxyB, contact.s0 - more),

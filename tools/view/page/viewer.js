@@ -92,6 +92,8 @@ const viewer = (() => {
       : "";
     listMeshes(scene);
     numbers.reset();
+    element("deformation").hidden = true;
+    if (own.view?.showsDeformation) showDeformation(false);
     edges.begin(scene.mode === "live");
     clearFrames();
     unpick();
@@ -189,6 +191,7 @@ const viewer = (() => {
     own.frame = messageReader.readMessage(entry.bytes);
     if (own.frame.snapshot.strips.length > 0) element("legend").dataset.strip = "";
     own.view?.show(own.frame.snapshot, entry.own);
+    if (entry.own.size > 0) element("deformation").hidden = false;
     listTools(own.frame.snapshot.tools);
     showFound();
     own.timeChanged = true;
@@ -204,7 +207,9 @@ const viewer = (() => {
     if (!own.frame || (play.playing && now - numbersAt < NUMBERS_EVERY)) return;
     numbersAt = now;
     numbers.show(readouts.texts(own.frame, selectedTool(), { drawnRate: own.drawnRate }));
-    element("deepest").textContent = own.view ? `${Number((1e3 * own.view.scales.depth).toPrecision(1))} mm` : "";
+    const { depth, moved } = own.view?.scales ?? {};
+    element("deepest").textContent = own.view ? `${Number((1e3 * depth).toPrecision(1))} mm` : "";
+    if (own.view?.showsDeformation) element("most-moved").textContent = `${Number((1e3 * moved).toPrecision(1))} mm`;
   }
 
   const modeWords = () =>
@@ -386,8 +391,19 @@ const viewer = (() => {
     slower: () => changeSpeed(-1),
     faster: () => changeSpeed(1),
     theme: () => setTheme((own.theme + 1) % THEMES.length),
+    deformation: () => showDeformation(!own.view?.showsDeformation),
     help: () => element("panel").showModal(),
   };
+
+  // Where a body deforms; else there is nothing to show.
+  function showDeformation(on) {
+    if (!own.view || (on && element("deformation").hidden)) return;
+    own.view.showsDeformation = on;
+    own.view.dirty = true;
+    element("deformation").setAttribute("aria-pressed", String(on));
+    element("moved").hidden = !on;
+    say(on ? "Colours say how far the surface has moved." : "Colours of the deformation are off.");
+  }
 
   function changeSpeed(by) {
     const speeds = [...element("speed").options].map(option => Number(option.value));
@@ -405,6 +421,7 @@ const viewer = (() => {
       ["end", "end"],
       ["save", "save"],
       ["theme", "theme"],
+      ["deformation", "deformation"],
       ["help", "help"],
       ["unpick", "unpick"],
     ])
@@ -435,7 +452,7 @@ const viewer = (() => {
 
   // The stream in the page's own data, if there is one; else the server that sent the page.
   function start() {
-    element("ramp").style.background = scale.gradient();
+    for (const ramp of document.querySelectorAll(".ramp")) ramp.style.background = scale.gradient();
     setTheme(0);
     listen();
     requestAnimationFrame(everyPicture);
