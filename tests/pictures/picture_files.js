@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node picture_files.js: the pictures of README and docs are there, none is left over, and the picture that moves is what
-// wiping.js states. The WebP is read by its container's description alone (RIFF: four letters, a length, the content).
+// node picture_files.js: the pictures of README and docs are there, none is left over, and the pictures that move are what
+// motions.js states. The WebP is read by its container's description alone (RIFF: four letters, a length, the content).
 "use strict";
 const fs = require("fs");
 const path = require("path");
 const { check, finish, assert } = require("../view/verdicts.js");
-const wiping = require("./wiping.js");
+const { MOTIONS } = require("./motions.js");
 const root = path.join(__dirname, "../..");
 
 const pagesIn = folder =>
@@ -50,22 +50,23 @@ function chunks(bytes) {
     const left = fs.readdirSync(path.join(root, "docs/pictures")).filter(name => !names.has(path.join("docs/pictures", name)));
     assert.deepStrictEqual(left, []);
   });
-  await check("the picture that moves has the frames, times and size that are stated, and goes on for ever", () => {
-    const bytes = fs.readFileSync(path.join(root, "docs/pictures/wiping.webp"));
-    assert(bytes.length <= wiping.bytesMost, `${bytes.length} bytes`);
-    assert.strictEqual(bytes.toString("latin1", 0, 4) + bytes.toString("latin1", 8, 12), "RIFFWEBP");
-    assert.strictEqual(bytes.readUInt32LE(4) + 8, bytes.length);
-    const parts = chunks(bytes);
-    assert(parts.every(({ whole }) => whole), "a chunk is cut");
-    const [extended, animation] = ["VP8X", "ANIM"].map(name => parts.find(part => part.name === name)?.content);
-    assert(extended && (extended[0] & 2) !== 0 && animation, "it is not animated");
-    assert.deepStrictEqual([4, 7].map(at => 1 + extended.readUIntLE(at, 3)), [wiping.width, wiping.height]);
-    assert.strictEqual(animation.readUInt16LE(4), 0, "its loops are counted");
-    const times = parts.filter(({ name }) => name === "ANMF").map(({ content }) => content.readUIntLE(12, 3));
-    assert.strictEqual(times.length, wiping.frames);
-    assert(times.every(time => time === 1000 * wiping.frameSeconds), `${times} ms`);
-    const seconds = wiping.frames * wiping.frameSeconds;
-    assert(seconds >= 2 && seconds <= 5, `${seconds} s`);
-  });
+  for (const motion of MOTIONS)
+    await check(`${motion.name}: the picture that moves has the frames, times and size that are stated, and goes on for ever`, () => {
+      const bytes = fs.readFileSync(path.join(root, `docs/pictures/${motion.name}.webp`));
+      assert(bytes.length <= motion.bytesMost, `${bytes.length} bytes`);
+      assert.strictEqual(bytes.toString("latin1", 0, 4) + bytes.toString("latin1", 8, 12), "RIFFWEBP");
+      assert.strictEqual(bytes.readUInt32LE(4) + 8, bytes.length);
+      const parts = chunks(bytes);
+      assert(parts.every(({ whole }) => whole), "a chunk is cut");
+      const [extended, animation] = ["VP8X", "ANIM"].map(name => parts.find(part => part.name === name)?.content);
+      assert(extended && (extended[0] & 2) !== 0 && animation, "it is not animated");
+      assert.deepStrictEqual([4, 7].map(at => 1 + extended.readUIntLE(at, 3)), [motion.width, motion.height]);
+      assert.strictEqual(animation.readUInt16LE(4), 0, "its loops are counted");
+      const times = parts.filter(({ name }) => name === "ANMF").map(({ content }) => content.readUIntLE(12, 3));
+      assert.strictEqual(times.length, motion.frames);
+      assert(times.every(time => time === 1000 * motion.frameSeconds), `${times} ms`);
+      const seconds = motion.frames * motion.frameSeconds;
+      assert(seconds >= 2 && seconds <= 5, `${seconds} s`);
+    });
   finish();
 })();

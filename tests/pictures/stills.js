@@ -4,7 +4,7 @@
 const fs = require("fs");
 const path = require("path");
 const { launch } = require("../view/chromium.js");
-const { runner, record, visitPage, seek, look } = require("./viewer_page.js");
+const { runner, record, visitPage, seek, look, rest } = require("./viewer_page.js");
 const [program, room, out] = process.argv.slice(2);
 const run = runner(program, room);
 
@@ -40,7 +40,7 @@ async function picture(browser, sight) {
   if (sight.time !== undefined) await seek(page, sight.time);
   await look(page, sight.turn ?? [0, 0], sight.zoom ?? 1);
   if (sight.pick) await page.key("Enter");
-  await page.settle();
+  await rest(page);
   const file = path.join(out, `${sight.name}.png`);
   await page.shoot(file);
   await browser.leave(page);

@@ -30,6 +30,13 @@ async function seek(page, time) {
   await page.ask(`viewer.play.seek(Math.min(${frames - 1}, Math.round(${RATE} * ${time}))), 0`);
 }
 
+// Until the bodies' shade is whole, and edges are smooth.
+async function rest(page) {
+  await until("the shade", () => page.ask("viewer.own.view.bake.isDone"));
+  await page.ask("viewer.own.view.setSmooth(true), (viewer.own.view.dirty = true)");
+  await page.settle();
+}
+
 // Turns the view, and comes nearer to the nearest point of the mesh.
 function look(page, turn, zoom) {
   return page.call(
@@ -46,4 +53,4 @@ function look(page, turn, zoom) {
   );
 }
 
-module.exports = { runner, record, visitPage, seek, look, RATE };
+module.exports = { runner, record, visitPage, seek, look, rest, RATE };

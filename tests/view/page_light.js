@@ -4,7 +4,7 @@
 "use strict";
 const { launch, until } = require("./chromium.js");
 const { check, near, finish, assert, scripts } = require("./verdicts.js");
-const { pageWriter, visitRecording, seek, pixel, view } = require("./page_sights.js");
+const { pageWriter, visitRecording, seek, pixel, view, on, top } = require("./page_sights.js");
 const fixture = require("./stream_fixture.js");
 const known = fixture.recording();
 const { rays, occlusion, smoothing } = scripts("rays", "occlusion", "smoothing");
@@ -132,12 +132,38 @@ async function looks(browser) {
   });
 }
 
+// A sheet above the tool, of the page's own colour and blue.
+async function veil(browser) {
+  const sheet = {
+    name: "sheet",
+    positions: Float32Array.from([-0.2, -0.1, 0.07, 0.1, -0.1, 0.07, 0.1, 0.1, 0.07, -0.2, 0.1, 0.07]),
+    corners: Uint32Array.from([0, 1, 2, 0, 2, 3]),
+    sources: Uint32Array.from([0, 1]),
+  };
+  const bodies = [0, 1, 2].map(mesh => ({ id: 11 + mesh, mesh, pose: [...(mesh === 1 ? fixture.BALL.centre : [0, 0, 0]), 1, 0, 0, 0], name: "body", colour: mesh === 2 ? [0.1, 0.1, 0.9] : null }));
+  const scene = fixture.sceneMessage([...known.meshes, sheet], { bodies });
+  const frames = Array.from({ length: fixture.FRAMES }, (_, i) => known.frame(i));
+  const page = await visitRecording(browser, write("veil", fixture.streamOf([scene, ...frames, known.end])), fixture.FRAMES);
+  await seek(page, 150);
+  await view(page, "5");
+  const { proxy } = fixture.placesAt(150);
+  const tool = await pixel(page, top(on(proxy, 0.12)));
+  await page.ask("viewer.own.view.veilSheets = () => {}, surfaceLight.setVeil(viewer.own.view.bodies.get(13).object, false), 0");
+  const hidden = await pixel(page, top(on(proxy, 0.12)));
+  await check("a sheet between the eye and the tool is seen through", () => {
+    assert(hidden[2] > 3 * hidden[0], `the sheet hides it without: ${hidden}`);
+    assert(tool[2] < 0.75 * hidden[2] && tool[0] > 1.2 * hidden[0], `${tool}, hidden it is ${hidden}`);
+  });
+  await browser.leave(page);
+}
+
 (async () => {
   await shade();
   await edges();
   const browser = launch(room);
   await shadows(browser);
   await looks(browser);
+  await veil(browser);
   await browser.close();
   finish();
 })().catch(error => {

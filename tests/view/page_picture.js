@@ -115,6 +115,34 @@ async function drawing(page) {
       assert.deepStrictEqual(await page.ask("dynpoint.arrows()"), [], "a tool that is free has no arrow");
     },
   );
+  await check("the force's value stands at the arrow's end, and the legend's bar has the arrow's scale", async () => {
+    await view(page, "1");
+    await seek(page, 150);
+    const { text, label, bar, force } = await page.call(() => {
+      const middle = ({ left, right, top, bottom }) => [(left + right) / 2, (top + bottom) / 2];
+      const box = document.getElementById("picture").getBoundingClientRect();
+      const spans = [...document.querySelectorAll("#labels span")];
+      return {
+        text: spans.map(({ textContent }) => textContent).join(),
+        label: middle(spans[0].getBoundingClientRect()).map((value, k) => value - [box.left, box.top][k]),
+        bar: document.getElementById("force-bar").getBoundingClientRect().width,
+        force: Number.parseFloat(document.getElementById("force-scale").textContent),
+      };
+    });
+    const [{ from, to }] = await page.ask("dynpoint.arrows()");
+    const [begin, end] = [await page.call(place => dynpoint.project(place), from), await page.call(place => dynpoint.project(place), to)];
+    assert.strictEqual(text, "4.00 N");
+    const apart = Math.hypot(label[0] - end[0], label[1] - end[1]);
+    assert(apart < 60 && apart < Math.hypot(label[0] - begin[0], label[1] - begin[1]), `${label}, the arrow ends at ${end}`);
+    // In the plane of the camera's target, as if the arrow lay across.
+    const { radius } = await page.ask("dynpoint.scales()");
+    const pixel = await page.ask("viewer.own.view.camera.pixelSize(viewer.own.view.camera.state.target)");
+    near(bar, (0.3 * radius * force) / 10 / pixel, 0.2, "pixels:");
+    assert(bar > 20 && bar <= 70.1, `${bar} pixels`);
+    await seek(page, 20);
+    assert.strictEqual(await page.ask("document.querySelectorAll('#labels span').length"), 0, "a tool that is free has no value");
+    await seek(page, 150);
+  });
   await check("the nearest pair is a line from the axis to the mesh", async () => {
     await seek(page, 20);
     const { device: free } = fixture.placesAt(20);

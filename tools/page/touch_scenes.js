@@ -6,10 +6,10 @@ const touchScenes = (() => {
   const LIVER_RED = [0.55, 0.15, 0.12];
   const fixedBox = (...box) => ({ kind: 1, fixed: 1, box });
 
-  // look: as of a body of a scene file. shape, triangles: for `dynpoint make`; springs: options of the compiler; net: of dpt_springs_def; sag: m, by which
-  // it hangs. Materials are those of the program's scenes (src/scene/scene_list.c). By the laws bed and point, springs
-  // are stepped after the tool. spread: m, over which a load is spread then. stiffest: N/m, by law, above which what
-  // gives way shakes under the tool.
+  // look: as of a body of a scene file. shape, triangles: for `dynpoint make`; springs: options of the compiler; net: of
+  // dpt_springs_def; sag: m, by which it hangs. Materials are those of the program's scenes (src/scene/scene_list.c). By the
+  // laws bed and point, springs are stepped after the tool. spread: m, over which a load is spread then. stiffest: N/m,
+  // by law, above which what gives way shakes under the tool.
   const SCENES = {
     liver: { title: "Liver, rigid", shape: "liver", triangles: 10000, colour: LIVER_RED },
     soft: {

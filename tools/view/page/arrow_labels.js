@@ -30,8 +30,10 @@ const arrowLabels = (() => {
       const by = 1 / Math.max(1e-6, Math.hypot(...way));
       const half = [label.offsetWidth / 2, label.offsetHeight / 2];
       const out = BEYOND + Math.abs(way[0] * by) * half[0] + Math.abs(way[1] * by) * half[1];
-      const x = clamp(end[0] + out * way[0] * by, EDGE.left + half[0], view.width - EDGE.right - half[0]);
-      const y = clamp(end[1] + out * way[1] * by, EDGE.top + half[1], view.height - EDGE.bottom - half[1]);
+      const high = end[1] + out * way[1] * by;
+      const y = clamp(high, EDGE.top + half[1], view.height - EDGE.bottom - half[1]);
+      const aside = y === high ? 0 : half[0] + BEYOND; // beside an arrow that reaches the edge
+      const x = clamp(end[0] + out * way[0] * by + aside, EDGE.left + half[0], view.width - EDGE.right - half[0]);
       label.style.transform = `translate(${(x - half[0]).toFixed(1)}px, ${(y - half[1]).toFixed(1)}px)`;
     }
   }

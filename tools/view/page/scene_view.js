@@ -202,10 +202,8 @@ const sceneView = (() => {
       return of;
     }
 
-    // direction: { azimuth, elevation }, or what it is now
-    fit(smooth, direction = this.camera.state) {
-      this.resize();
-      const all = this.places();
+    // The ball round what has to be seen.
+    bounds(all = this.places()) {
       const least = [Infinity, Infinity, Infinity];
       const most = least.map(() => -Infinity);
       for (const places of all)
@@ -213,13 +211,25 @@ const sceneView = (() => {
           if (places[i] < least[i % 3]) least[i % 3] = places[i];
           if (places[i] > most[i % 3]) most[i % 3] = places[i];
         }
-      const centre = least.map((value, k) => (value + most[k]) / 2);
-      this.scales.radius = Math.max(1e-6, rays.length(rays.sub(most, least)) / 2);
-      const ends = this.snapshot?.segments.flatMap(({ proxyA, proxyB }) => [proxyA, proxyB]).filter(rays.isPlace) ?? [];
-      const { radius } = this.scales;
-      const tool = ends.filter(place => rays.length(rays.sub(place, centre)) < 1.5 * radius);
+      return {
+        centre: least.map((value, k) => (value + most[k]) / 2),
+        radius: Math.max(1e-6, rays.length(rays.sub(most, least)) / 2),
+      };
+    }
+
+    // direction: { azimuth, elevation }, or what it is now
+    fit(smooth, direction = this.camera.state) {
+      this.resize();
+      const all = this.places();
+      const { centre, radius } = this.bounds(all);
+      this.scales.radius = radius;
       const above = this.camera.turned([0, 0, 0.6 * toolView.ARROW * radius]);
-      const near = tool.flatMap(place => [place, place.map((value, k) => value + above[k])]); // and of a force upward
+      const ends = (this.snapshot?.segments ?? []).flatMap(({ proxyA, proxyB }) => [
+        proxyA,
+        proxyB,
+        proxyA.map((value, k) => value + above[k]), // a force upward at the tip
+      ]);
+      const near = ends.filter(place => rays.isPlace(place) && rays.length(rays.sub(place, centre)) < 1.5 * radius);
       const whole = Float32Array.from([...all.flatMap(places => [...places]), ...near.flat()]);
       const free = (pixels, of) => Math.max(0.3, 1 - (2 * pixels) / Math.max(1, of));
       const { azimuth, elevation } = direction;
