@@ -14,14 +14,14 @@ const sights = [
     make: () => record(run, "laparoscopy", "sim:?hand=press", 4),
     time: 1.9,
     turn: [-0.5, -0.1],
-    zoom: 0.6,
+    zoom: 0.9,
   },
   {
     name: "soft-liver",
     make: () => record(run, "soft-liver", "sim:?hand=press&reach=0.025&cycle=4", 4),
     time: 2.0,
     turn: [-0.35, -0.1],
-    zoom: 0.5,
+    zoom: 0.85,
     dark: true,
   },
   {

@@ -60,7 +60,11 @@ async function edges() {
     for (let i = 0; i < pictures; i++, now += took) one.tick(now, true, value => (on = value));
     const moving = on;
     let asked = 0;
-    for (let i = 0; i < 60; i++, now += 16) one.tick(now, false, value => ((on = value), asked++));
+    for (let i = 0, due = false; i < 60; i++, now += 16) {
+      const drawn = due; // the picture that was asked for in the one before
+      due = false;
+      one.tick(now, drawn, value => ((on = value), asked++, (due = true)));
+    }
     return [moving, on, asked];
   };
   await check("smooth edges go when pictures come slower than 30 a second, and come back at rest, once", () => {
