@@ -287,4 +287,5 @@ def main():
     sys.exit(not all(verdicts))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Bodies, rigid and deformable, and the springs that move the latter. */
+#include "bindings/python/python_answer.h"
 #include "bindings/python/python_member.h"
 #include "bindings/python/python_mesh.h"
 #include "bindings/python/python_springs.h"
@@ -195,7 +196,7 @@ static PyObject *body_get_loads(PyObject *object, PyObject *to)
     return result == DPT_OK ? PyLong_FromUnsignedLong(count) : dpy_fail(result, "DeformableBody.loads", NULL);
 }
 
-/* step_springs(springs, dt, info): physics of the tissue, without Python's lock. */
+/* step_springs(springs, dt, info): physics of the tissue, without Python's lock; None: the body has a compliance. */
 static PyObject *body_step_springs(PyObject *object, PyObject *args)
 {
     dpy_member *self = (dpy_member *)object;
@@ -206,8 +207,9 @@ static PyObject *body_step_springs(PyObject *object, PyObject *args)
         return NULL;
     if (dpy_get_structs(info, &view, sizeof(dpt_springs_info), NULL, "info") != 0)
         return NULL;
-    dpt_springs *springs = dpy_springs_enter(springs_object, "DeformableBody.step_springs");
-    dpt_world *world = springs ? dpy_world_enter(self->world, "DeformableBody.step_springs") : NULL;
+    int is_own = springs_object == Py_None;
+    dpt_springs *springs = is_own ? NULL : dpy_springs_enter(springs_object, "DeformableBody.step_springs");
+    dpt_world *world = springs || is_own ? dpy_world_enter(self->world, "DeformableBody.step_springs") : NULL;
     dpt_result result = DPT_OK;
     if (world) {
         Py_BEGIN_ALLOW_THREADS result = dpt_body_step_springs(world, self->id, springs, dt, view.buf);
@@ -272,6 +274,8 @@ static PyMethodDef methods[] = { { "of", body_of, METH_VARARGS | METH_CLASS, NUL
                                  { "get_vertices", body_get_vertices, METH_O, NULL },
                                  { "get_loads", body_get_loads, METH_O, NULL },
                                  { "step_springs", body_step_springs, METH_VARARGS, NULL },
+                                 { "get_mean_loads", dpy_get_mean_loads, METH_O, NULL },
+                                 { "set_answered_loads", dpy_set_answered_loads, METH_O, NULL },
                                  { NULL, NULL, 0, NULL } };
 static PyGetSetDef properties[] = { { "valid", body_is_valid, NULL, NULL, NULL },
                                     { "id", dpy_member_get_id, NULL, NULL, NULL },

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* dynpoint._dynpoint: what the typed package (dynpoint/) stands on. */
 #include "bindings/python/python_arm.h"
+#include "bindings/python/python_batch.h"
 #include "bindings/python/python_device.h"
 #include "bindings/python/python_guard.h"
 #include "bindings/python/python_loop.h"
@@ -73,6 +74,7 @@ static PyMethodDef methods[] = { { "fields", dpy_list_fields, METH_O, NULL },
                                  { "read_header", read_header, METH_O, NULL },
                                  { "read_records", read_records, METH_VARARGS, NULL },
                                  { "scene_names", scene_names, METH_NOARGS, NULL },
+                                 { "step_batch", dpy_step_batch, METH_VARARGS, NULL },
                                  { NULL, NULL, 0, NULL } };
 
 static struct PyModuleDef definition = {

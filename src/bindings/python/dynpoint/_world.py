@@ -179,8 +179,25 @@ class DeformableBody(Body):
             count = self.get_loads(loads)
         return loads[:count]
 
-    def step(self, springs: Springs, dt: float) -> Any:
-        """After a step of the world: its springs go on, solved together with the tools that touch (SPRINGS_INFO)."""
+    @property
+    def mean_loads(self) -> Tuple[Records, float]:
+        """Of a body with a compliance: the mean loads of the steps since the last answer, each vertex once, and how many
+        seconds these were. For a step of physics of your own."""
+        loads = np.zeros(256, LOAD)
+        count, seconds = self.get_mean_loads(loads)
+        if count > len(loads):
+            loads = np.zeros(count, LOAD)
+            count, seconds = self.get_mean_loads(loads)
+        return loads[:count], seconds
+
+    def answer(self, loads: Records) -> None:
+        """The vertices that are set before the next step of the world hold what these loads do: those that your physics
+        had for its step."""
+        self.set_answered_loads(loads)
+
+    def step(self, springs: Optional[Springs], dt: float) -> Any:
+        """After a step of the world: its springs go on, solved together with the tools that touch (SPRINGS_INFO). None: the
+        body has a compliance, by which it gives way between two steps of physics of your own."""
         info = room(SPRINGS_INFO)
         self.step_springs(springs, dt, info)
         return info[0]
