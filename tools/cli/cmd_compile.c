@@ -9,6 +9,7 @@
 #include "cli/cmd_info.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "cli/compile_list.h"
 #include "cli/compile_options.h"
 #include "compile/foreign.h"
 #include "compile/soup.h"
@@ -22,6 +23,7 @@ static const char help[] =
     "                        [--recentre] [--c-array NAME] [--json] [-j N] [--nodes BASE]\n"
     "                        [--springs KIND ...] [--tool LINK] [--packages DIRS] [--skip LINK ...]\n"
     "                        [--without-scene]\n"
+    "       dynpoint compile --list MANIFEST -o RESULTS.tsv [-j N] [--unit UNIT ...]\n"
     "\n"
     "Compiles an OBJ, STL, PLY or OFF mesh into a file that is used in place, by mmap or from flash.\n"
     "Joins equal vertices, drops degenerate and duplicate triangles, turns closed parts outward; says\n"
@@ -40,6 +42,9 @@ static const char help[] =
     "  --recentre      move the mesh to the origin, and keep in the file by how much; for a source that\n"
     "                  lies so far away that floats are too coarse for it\n"
     "  --c-array NAME  write C source that holds the bytes in an array of that name\n"
+    "  --list FILE     compile many: lines IN, a tab, OUT. RESULTS.tsv has a line for each: IN, OUT, DPT_OK or\n"
+    "                  an error's name, SHA-256 of the file, seconds, a note. -j N: N at a time. What is\n"
+    "                  done is not done again when the command is called again\n"
     "  --json          tell what dynpoint info --json tells of it, instead of the report\n"
     "  -j N            use at most N threads; default 1; the bytes are the same for every N\n"
     "  --nodes BASE    embed the vertices in the tetrahedra of TetGen's BASE.node and BASE.ele, in the\n"
@@ -312,7 +317,7 @@ static int compile_input(const char *in, dpt_compile_def *def, const struct arm_
 
 /* What the user says. */
 struct compile_settings {
-    const char *in, *out, *array, *unit, *nodes;
+    const char *in, *out, *array, *unit, *nodes, *list;
     struct arm_options arm;
     double scale, crease;
     int recentre, json;
@@ -352,6 +357,7 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
     *settings = (struct compile_settings){ .scale = NAN, .crease = 60.0, .threads = 1 };
     spring_options_init(springs);
     const struct option_def options[] = { { .name = "-o", .text = &settings->out, .kind = VALUE_FILE },
+                                          { .name = "--list", .text = &settings->list, .kind = VALUE_FILE },
                                           { .name = "--json", .flag = &settings->json },
                                           { .name = "-j", .count = &settings->threads },
                                           { .name = "--unit", .text = &settings->unit, .words = unit_words },
@@ -379,7 +385,9 @@ static int read_settings(struct compile_settings *settings, int argc, char **arg
     int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), &settings->in, 1, &operands);
     if (status >= 0)
         return status;
-    if (operands != 1 || !settings->out)
+    if (settings->list && (operands || !settings->out))
+        return complain("compile", "--list names the inputs: -o RESULTS.tsv is needed, and no other file");
+    if (!settings->list && (operands != 1 || !settings->out))
         return complain("compile", "an input file and -o FILE are needed (see --help)");
     return -1;
 }
@@ -389,12 +397,16 @@ static int check_settings(struct compile_settings *settings)
 {
     const char *out = settings->out, *unit = settings->unit;
     struct file_status there;
-    if (output_check("compile", out, (const char *const[]){ settings->in, NULL }))
+    if (output_check("compile", out, (const char *const[]){ settings->list ? settings->list : settings->in, NULL }))
         return 2;
+    if (settings->list && (settings->array || settings->nodes || settings->json || strcmp(out, "-") == 0 ||
+                           arm_options_are_given(&settings->arm)))
+        return complain("compile", "--list takes neither --c-array, --nodes, --json, -o - nor what is for a URDF");
     if ((mesh_file_writer(out) || is_urdf_name(out)) && file_get_status(out, &there) == 0)
         return complain("compile", "%s: it is there, and a source by its name: what is compiled ends in .dpa", out);
-    if (settings->array ? output_check_name("compile", out, ".c .h", "source text in C")
-                        : output_check_name("compile", out, ".dpa .obj .stl .ply .off", "a compiled mesh or arm"))
+    if (settings->array  ? output_check_name("compile", out, ".c .h", "source text in C")
+        : settings->list ? output_check_name("compile", out, ".tsv .txt", "a table")
+                         : output_check_name("compile", out, ".dpa .obj .stl .ply .off", "a compiled mesh or arm"))
         return 2;
     if (!settings->threads)
         return complain("compile", "-j must be 1 or more");
@@ -438,6 +450,16 @@ static int keep_compiled(const struct compile_settings *settings, const dpt_comp
     return status;
 }
 
+static int compile_all(struct compile_settings *settings, dpt_compile_def *def)
+{
+    int status = spring_options_take(&settings->springs, "compile", settings->out, def);
+    def->progress = NULL;
+    if (status == 0)
+        status = compile_list(settings->list, settings->out, def);
+    spring_options_free(&settings->springs);
+    return status;
+}
+
 int command_compile(int argc, char **argv)
 {
     struct compile_settings settings;
@@ -456,6 +478,8 @@ int command_compile(int argc, char **argv)
                             .recentre = settings.recentre ? 1 : 0,
                             .crease = settings.crease * DEGREE,
                             .threads = settings.threads < UINT32_MAX ? (uint32_t)settings.threads : UINT32_MAX };
+    if (settings.list)
+        return compile_all(&settings, &def);
     dpt_compiled compiled;
     status = compile_with_nodes(&settings, &def, &compiled, &is_arm);
     meter_show(&listener.meter, "", 1.0);

@@ -1,0 +1,74 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# `dynpoint compile --list`: many meshes, some malformed; rows, hashes, killed in the middle, done again.
+# `sh tests/tools/cli_list.sh BUILD [part]`.
+. "$(dirname "$0")/cli.sh"
+
+count=${LIST:-60} # meshes, a tenth of them malformed
+[ -z "$is_part" ] || count=20
+
+# One organ, moved a little each time; every tenth is cut or names a vertex that is not there.
+"$program" make liver 400 -o liver.obj >/dev/null || exit 2
+mkdir -p in made
+: >manifest
+i=0
+while [ $i -lt "$count" ]; do
+    awk -v i=$i '$1 == "v" { printf "v %.6f %s %s\n", $2 + i * 0.001, $3, $4; next } { print }
+        END { if (i % 20 == 9) print "f 1 2 999999"; if (i % 20 == 19) print "v 1 nan"; }' liver.obj >in/$i.obj
+    printf 'in/%s.obj\tmade/%s.dpa\n' $i $i >>manifest
+    i=$((i + 1))
+done
+bad=$((count / 10))
+
+# column N TABLE: without its settings and names
+column() { awk -F'\t' -v n="$1" 'NR > 2 { print $n }' "$2"; }
+
+run compile --list manifest -o one.tsv
+if [ $status -eq 1 ] && grep -q "one.tsv: $((count - bad)) compiled, $bad refused$" stdout; then ok; else bad "a list: exit $status, $(cat stdout stderr)"; fi
+if [ "$(column 1 one.tsv)" = "$(cut -f1 manifest)" ]; then ok; else bad "rows are in the manifest's order"; fi
+if [ "$(column 3 one.tsv | grep -vc '^DPT_OK$')" -eq $bad ]; then ok; else bad "verdicts: $(column 3 one.tsv | sort | uniq -c)"; fi
+if grep -q 'in/9.obj.*DPT_E_INDEX.*line [0-9]*: ' one.tsv; then ok; else bad "an index: $(grep in/9.obj one.tsv)"; fi
+column 2 one.tsv | while read -r file; do [ ! -e "$file" ] || sha256sum "$file" | cut -d' ' -f1; done >sums
+if [ "$(column 4 one.tsv | grep .)" = "$(cat sums)" ]; then ok; else bad "hashes are those of sha256sum"; fi
+succeeds 'one of them alone' compile in/3.obj -o alone.dpa
+if cmp -s alone.dpa made/3.dpa; then ok; else bad "a file of a list is that of a command of its own"; fi
+
+# Killed in the middle, and called again; on two threads, as often as it takes.
+mkdir -p kept && mv made/* kept
+times=0
+while [ $times -lt 40 ]; do
+    "$program" compile --list manifest -o two.tsv -j 2 >stdout 2>stderr &
+    sleep 0.02
+    kill -9 $! 2>/dev/null
+    wait $! 2>/dev/null
+    [ $? -eq 137 ] || break
+    times=$((times + 1))
+done
+if [ $times -gt 0 ]; then ok; else bad "it was done before it was killed"; fi
+grep -v '^in/2.obj' two.tsv >left
+{ cat left; printf 'in/2.obj\tmade/2.dpa\tDPT_OK\t12'; } >two.tsv # a row that was cut,
+rm -f made/4.dpa                                                # a file that is gone,
+printf x >made/5.dpa                                            # and one that is another
+run compile --list manifest -o two.tsv -j 2
+if [ $status -eq 1 ] && grep -q "of these were there$" stdout; then ok; else bad "again: exit $status, $(cat stdout stderr)"; fi
+if [ "$(cut -f1-4,6 one.tsv)" = "$(cut -f1-4,6 two.tsv)" ]; then ok; else bad "the same rows after kills: $(diff one.tsv two.tsv | head -n 3)"; fi
+for file in kept/*; do cmp -s "$file" "made/${file#kept/}" || bad "$file is another"; done
+if [ "$(ls made | wc -l)" -eq "$(ls kept | wc -l)" ]; then ok; else bad "files: $(ls made)"; fi
+cp two.tsv before.tsv
+run compile --list manifest -o two.tsv -j 2
+if cmp -s two.tsv before.tsv; then ok; else bad "a third time changes nothing, not even seconds"; fi
+
+refuses 'a list: other settings' 'two.tsv: it is no table of these settings' compile --list manifest -o two.tsv --unit mm
+printf 'in/1.obj\tout/1.dpa\nin/2.obj\tout/1.dpa\n' >twice
+refuses 'a list: one file twice' "'out/1.dpa' is to be written twice" compile --list twice -o x.tsv
+printf 'in/1.obj out/1.dpa\n' >blank
+refuses 'a list: no tab' 'blank:1: a line is IN, a tab, OUT' compile --list blank -o x.tsv
+printf 'in/1.obj\tin/2.obj\n' >source
+refuses 'a list: a source is not written over' "source:1: 'in/2.obj' does not end in .dpa" compile --list source -o x.tsv
+refuses 'a list: not C' '--list takes neither --c-array' compile --list manifest -o x.tsv --json
+refuses 'a list: two inputs' '--list names the inputs' compile --list manifest in/1.obj -o x.tsv
+printf 'in/none.obj\tout/none.dpa\n' >none
+run compile --list none -o none.tsv
+if [ $status -eq 1 ] && grep -q 'DPT_E_SYSTEM.*No such file' none.tsv; then ok; else bad "a source that is not there: $(cat none.tsv)"; fi
+
+finish
