@@ -23,12 +23,13 @@ import io
 import json
 import os
 import sys
+import threading
 import time
 import warnings
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from importlib import import_module
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, TextIO, Tuple
 
@@ -177,6 +178,18 @@ def do(job: Job) -> Row:
 
 # ---- Who works
 
+def _end_with_parent() -> None:
+    """A worker whose parent was killed would wait for it for ever."""
+    parent = parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 class _Pool:
     """Spawned processes of this machine. One that dies breaks the pool: those jobs that may have killed it are run once more,
     each alone in the end."""
@@ -195,7 +208,7 @@ class _Pool:
     def _run_some(self, waiting: List[Job], workers: int, suspects: List[Job], deaths: Dict[str, int],
                   alone: bool) -> Iterator[Row]:
         running: Dict[Future[Row], Job] = {}
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_end_with_parent) as pool:
             while waiting or running:
                 try:
                     while waiting and len(running) < workers:
