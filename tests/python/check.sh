@@ -29,7 +29,7 @@ check "a user's types do, see $log" env MYPYPATH="$site" "$build/venv-python/bin
     --cache-dir "$build/python/mypy" tests/python/typed.py
 log=
 # Away from the tree: nothing of it is found by accident.
-for test in feel.py misuse.py life.py safety.py batch.py; do
+for test in feel.py misuse.py life.py safety.py batch.py bulk.py exports.py; do
     count "${test%.py}" env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" "$python" -X dev -W ignore::ResourceWarning \
         "tests/python/$test"
 done

@@ -6,6 +6,7 @@
 #include "bindings/python/python_guard.h"
 #include "bindings/python/python_loop.h"
 #include "bindings/python/python_mesh.h"
+#include "bindings/python/python_record.h"
 #include "bindings/python/python_scene.h"
 #include "bindings/python/python_springs.h"
 #include "bindings/python/python_world.h"
@@ -73,6 +74,7 @@ static PyMethodDef methods[] = { { "fields", dpy_list_fields, METH_O, NULL },
                                  { "run_loop", DPY_FASTCALL(dpy_run_loop), METH_VARARGS | METH_KEYWORDS, NULL },
                                  { "read_header", read_header, METH_O, NULL },
                                  { "read_records", read_records, METH_VARARGS, NULL },
+                                 { "write_records", dpy_write_records, METH_O, NULL },
                                  { "scene_names", scene_names, METH_NOARGS, NULL },
                                  { "step_batch", dpy_step_batch, METH_VARARGS, NULL },
                                  { NULL, NULL, 0, NULL } };
