@@ -114,7 +114,7 @@ else
     run "the libraries" env RELEASE="$release" sh tests/abi/check.sh build
     run "CMake" sh tests/abi/cmake.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
-    run_reading "include src drivers tools tests/abi" "Python's package" sh tests/python/check.sh build
+    run_reading "include src drivers tools tests/abi docs/samples" "Python's package" env RELEASE="$release" sh tests/python/check.sh build
     command_line build
     command_line build/sanitize
     for config in release scalar sanitize; do

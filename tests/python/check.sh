@@ -3,6 +3,8 @@
 # The package of Python: a wheel is built, installed into a folder, and tested there.
 #
 #     sh tests/python/check.sh [BUILD=build]
+#
+# With RELEASE=yes also 2,000 organs on Dask's workers, and Newton's sample (make deps newton).
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 . tests/lib/verdict.sh
@@ -28,9 +30,19 @@ check "its types pass mypy --strict, see $log" env MYPYPATH="$site" "$build/venv
 check "a user's types do, see $log" env MYPYPATH="$site" "$build/venv-python/bin/mypy" --strict \
     --cache-dir "$build/python/mypy" tests/python/typed.py
 log=
+[ "${RELEASE:-no}" != yes ] || export BULK=2000
 # Away from the tree: nothing of it is found by accident.
-for test in feel.py misuse.py life.py safety.py batch.py bulk.py exports.py; do
+for test in feel.py misuse.py life.py safety.py batch.py bulk.py exports.py with_mujoco.py; do
     count "${test%.py}" env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" "$python" -X dev -W ignore::ResourceWarning \
         "tests/python/$test"
 done
+if [ "${RELEASE:-no}" = yes ] && [ ! -f build/venv-newton/complete ]; then
+    skip "Newton: no packages (make deps newton)"
+elif [ "${RELEASE:-no}" = yes ]; then
+    newton() { env PYTHONPATH="$site" build/venv-newton/bin/python docs/samples/newton_touch.py "$@" >"$room/newton" 2>&1; }
+    newton
+    verdict $? "Newton's block under a stiff tool: $(tail -n 1 "$room/newton")"
+    ! newton 0 && grep -q 'it is not felt as it should be' "$room/newton"
+    verdict $? "it shakes where the block does not tell how far it gives way"
+fi
 finish

@@ -70,7 +70,6 @@ class WithMujoco(unittest.TestCase):
         """The pinned vertices bear the tool and the block's weight: force in, force out, by MuJoCo's own dynamics at rest."""
         _, _, _, touch = self.press(None, 0.001)
         data, model = touch.data, touch.model
-        loads, forces = touch.flexes[0].take(data)
         self.assertLess(np.abs(data.qacc).max(), 0.5)
         weight = float(model.body_mass[model.flex_vertbodyid[model.flex_vertbodyid > 0]].sum()) * 9.81
         held = float(data.qfrc_passive.reshape(-1, 3)[:, 2].sum())  # what the elastic forces do to all that is free

@@ -11,15 +11,18 @@ and of rigid geoms, comes from dynpoint; the loads go back into MuJoCo's next st
 """
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from ._mesh import Mesh
 from ._structs import Floats, Records
-from ._world import Body, DeformableBody, World, make_segments
+from ._tissue import Tissue, between
+from ._world import Body, World, make_segments
+
+mujoco: Any = import_module("mujoco")
 
 _BOX = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
 _BOX_TRIANGLES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6],
@@ -39,45 +42,26 @@ def _quaternion(matrix: Floats) -> Floats:
     return quaternion
 
 
-class Flex:
-    """A soft body of MuJoCo's, as a body that gives way. `order` is MuJoCo's vertex of each of dynpoint's."""
+class Flex(Tissue):
+    """A soft body of MuJoCo's."""
 
     def __init__(self, model: Any, data: Any, name: str, world: World, compliance: float, load_radius: float,
                  settings: Dict[str, Any]) -> None:
-        self.number = _id(model, mujoco.mjtObj.mjOBJ_FLEX, name)
-        first, count = int(model.flex_vertadr[self.number]), int(model.flex_vertnum[self.number])
+        number = _id(model, mujoco.mjtObj.mjOBJ_FLEX, name)
+        first, count, dimension = (int(array[number]) for array in (model.flex_vertadr, model.flex_vertnum, model.flex_dim))
         self.rows = slice(first, first + count)
-        dimension = int(model.flex_dim[self.number])
         if dimension == 2:
-            at, size = int(model.flex_elemdataadr[self.number]), int(model.flex_elemnum[self.number])
+            at, size = int(model.flex_elemdataadr[number]), int(model.flex_elemnum[number])
             corners = np.asarray(model.flex_elem[at:at + 3 * size]).reshape(-1, 3)
         elif dimension == 3:
-            at, size = int(model.flex_shelldataadr[self.number]), int(model.flex_shellnum[self.number])
+            at, size = int(model.flex_shelldataadr[number]), int(model.flex_shellnum[number])
             corners = np.asarray(model.flex_shell[at:at + 3 * size]).reshape(-1, 3)
         else:
             raise ValueError(f"flex '{name}' has no surface: its dimension is {dimension}")
-        if int(model.flex_interp[self.number]):
+        if int(model.flex_interp[number]):
             raise ValueError(f"flex '{name}': its vertices follow few nodes, which have no load for each of them")
-        used, corners = np.unique(corners, return_inverse=True)
-        places = np.asarray(data.flexvert_xpos[self.rows])[used]
-        self.mesh = Mesh.compile(places, corners.reshape(-1, 3), unit="m")
-        self.order = used[self.mesh.vertex_sources]
-        self.body: DeformableBody = world.add_deformable(self.mesh, compliance=compliance, load_radius=load_radius, **settings)
-        self.answers = compliance > 0
+        super().__init__(world, data.flexvert_xpos[self.rows], corners, compliance, load_radius, **settings)
         self.vertex_bodies = np.asarray(model.flex_vertbodyid[self.rows])
-
-    def take(self, data: Any) -> Tuple[Records, Floats]:
-        """The mean loads since the last step of MuJoCo's, and those on its own vertices, N."""
-        loads = self.body.mean_loads[0] if self.answers else self.body.loads
-        forces = np.zeros((len(self.vertex_bodies), 3))
-        np.add.at(forces, self.order[loads["vertex"]], loads["force"])
-        return loads.copy(), forces
-
-    def give(self, data: Any, answered: Records) -> None:
-        """MuJoCo's positions, which hold what these loads did."""
-        if self.answers:
-            self.body.answer(answered)
-        self.body.vertices = np.ascontiguousarray(np.asarray(data.flexvert_xpos[self.rows])[self.order], np.float32)
 
 
 def measure_compliance(model: Any, data: Any, flex: str, push: float = 0.01, samples: int = 12) -> float:
@@ -193,10 +177,8 @@ class Touch:
         data.xfrc_applied stays there."""
         model, data = self.model, self.data
         self._applied[:] = 0
-        answers = []
         for flex in self.flexes:
-            loads, forces = flex.take(data)
-            answers.append(loads)
+            forces = flex.take()
             for vertex in np.flatnonzero(forces.any(1)):  # one that is pinned to a body loads that
                 self._apply(int(flex.vertex_bodies[vertex]), forces[vertex], np.zeros(3), data.flexvert_xpos[flex.rows][vertex])
         for geom, wrench in zip(self.geoms, self.body_wrenches):
@@ -210,8 +192,8 @@ class Touch:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_flex(model, data)
-        for flex, loads in zip(self.flexes, answers):
-            flex.give(data, loads)
+        for flex in self.flexes:
+            flex.give(data.flexvert_xpos[flex.rows])
         self._feel()
 
     def _feel(self) -> None:
@@ -224,28 +206,17 @@ class Touch:
         goals = [self._geom_pose(geom) for geom in self.geoms]
         for tick in range(1, self.ticks + 1):
             part = tick / self.ticks
-            self.tool.set_pose(_between(begin, goal, part))
+            self.tool.set_pose(between(begin, goal, part))
             for body, start, end in zip(self.bodies, starts, goals):
                 if not np.array_equal(start, end):
-                    body.set_pose(_between(start, end, part))
+                    body.set_pose(between(start, end, part))
             self.world.step(self.dt)
             for flex in self.flexes:
-                if flex.answers:
-                    flex.body.step(None, self.dt)
+                flex.tick(self.dt)
             self.wrench = self.tool.wrench
             self.mean_wrench += self.wrench / self.ticks
             for row, body in zip(self.body_wrenches, self.bodies):
                 row += body.wrench / self.ticks
-
-
-def _between(a: Floats, b: Floats, part: float) -> Floats:
-    """A pose on the way from one to the other."""
-    if part == 1:
-        return b
-    turn = b[3:] if a[3:] @ b[3:] >= 0 else -b[3:]
-    mixed = np.concatenate((a[:3] + part * (b[:3] - a[:3]), a[3:] + part * (turn - a[3:])))
-    mixed[3:] /= np.linalg.norm(mixed[3:])
-    return mixed
 
 
 __all__ = ["Flex", "Touch", "measure_compliance"]
