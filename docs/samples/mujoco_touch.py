@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A probe presses a soft organ of MuJoCo's, and slides over a bone beside it: physics is MuJoCo's, contact and force dynpoint's.
+"""A probe presses a soft organ of MuJoCo's, and slides over a bone beside it: physics is MuJoCo's, contact and force
+dynpoint's.
 
     pip install dynpoint mujoco
     python3 mujoco_touch.py
@@ -12,7 +13,8 @@ from dynpoint.with_mujoco import Touch
 SCENE = """<mujoco>
   <option timestep="0.005" integrator="discrete"/>
   <worldbody>
-    <flexcomp name="organ" type="grid" dim="3" count="6 6 6" spacing=".014 .014 .014" radius="0" mass="0.3" pos="0 0 0.035">
+    <flexcomp name="organ" type="grid" dim="3" count="6 6 6" spacing=".014 .014 .014" radius="0" mass="0.3"
+              pos="0 0 0.035">
       <contact selfcollide="none" contype="0" conaffinity="0"/>
       <elasticity young="2e4" poisson="0.2" damping="0.01"/>
       <pin gridrange="0 0 0 5 5 0"/>
@@ -37,7 +39,8 @@ for step in range(600):
     touch.step()
     on_organ, on_bone = max(on_organ, touch.flexes[0].body.wrench[2] * -1), max(on_bone, touch.body_wrenches[0][2] * -1)
     if step % 60 == 0:
-        print(f"{time:4.2f} s  felt {np.round(touch.wrench[:3], 3)} N  organ {1000 * data.flexvert_xpos[:, 2].min():6.2f} mm")
+        top = 1000 * data.flexvert_xpos[:, 2].max()
+        print(f"{time:4.2f} s  felt {np.round(touch.wrench[:3], 3)} N  the organ's top is at {top:5.2f} mm")
 print(f"the organ was pressed by {on_organ:.2f} N, the bone by {on_bone:.2f} N")
 if not (on_organ > 0.5 and on_bone > 0.5):
     raise SystemExit("one of them was not touched")

@@ -20,8 +20,8 @@ STEP, TICKS, SIDE, EDGE, YOUNG, POISSON = 0.005, 5, 5, 0.014, 2e4, 0.2
 builder = newton.ModelBuilder(up_axis=newton.Axis.Z, gravity=(0.0, 0.0, -9.81))
 builder.add_soft_grid(pos=wp.vec3(-0.035, -0.035, 0.0), rot=wp.quat_identity(), vel=wp.vec3(0.0, 0.0, 0.0), dim_x=SIDE,
                       dim_y=SIDE, dim_z=SIDE, cell_x=EDGE, cell_y=EDGE, cell_z=EDGE, density=875.0,
-                      k_mu=YOUNG / 2 / (1 + POISSON), k_lambda=YOUNG * POISSON / (1 + POISSON) / (1 - 2 * POISSON), k_damp=1e-4,
-                      add_surface_mesh_edges=False, particle_radius=1e-4)
+                      k_mu=YOUNG / 2 / (1 + POISSON), k_lambda=YOUNG * POISSON / (1 + POISSON) / (1 - 2 * POISSON),
+                      k_damp=1e-4, add_surface_mesh_edges=False, particle_radius=1e-4)
 for i, place in enumerate(builder.particle_q):
     if place[2] < 1e-6:  # the bottom is held
         builder.particle_mass[i] = 0.0
@@ -31,12 +31,14 @@ model = builder.finalize()
 solver = newton.solvers.SolverVBD(model, iterations=10)
 state, after = model.state(), model.state()
 
-# A step of this solver leaves most of a push to the steps behind it, so a single push goes too far: a small share is told.
+# A step of this solver leaves most of a push to the steps behind it, so a single push goes too far: a small share is
+# told.
 SHARE = float(sys.argv[1]) if len(sys.argv) > 1 else 0.03
 top = np.flatnonzero(model.particle_q.numpy()[:, 2] > 0.069)
 compliance = SHARE * measure_compliance(model, solver, state, STEP, top[::7])
-touch = Touch(model, state, segments=dp.make_segments([0, 0, 0], [0, 0, 0.1], 0.008), dt=STEP, ticks=TICKS, compliance=compliance,
-              load_radius=0.02, max_points=64, static_friction=0.3, kinetic_friction=0.3, tool_settings={"stiffness": 4000})
+touch = Touch(model, state, segments=dp.make_segments([0, 0, 0], [0, 0, 0.1], 0.008), dt=STEP, ticks=TICKS,
+              compliance=compliance, load_radius=0.02, max_points=64, static_friction=0.3, kinetic_friction=0.3,
+              tool_settings={"stiffness": 4000})
 felt, left = [], 0.0
 for step in range(240):
     time = step * STEP
@@ -48,7 +50,8 @@ for step in range(240):
     felt.append(touch.wrench[2])
     left = max(left, np.abs(touch.wrench[:3] + touch.tissue.body.loads["force"].sum(0)).max())
     if step % 24 == 0:
-        print(f"{time:4.2f} s  felt {touch.wrench[2]:6.3f} N  block {1000 * state.particle_q.numpy()[:, 2].max():6.2f} mm")
+        height = 1000 * state.particle_q.numpy()[:, 2].max()
+        print(f"{time:4.2f} s  felt {touch.wrench[2]:6.3f} N  the block's top is at {height:5.2f} mm")
 hum = np.std(felt[-60:])
 print(f"compliance {compliance:.2e} m/N; {felt[-1]:.3f} N, hum {hum:.1e} N; tool and tissue leave {left:.1e} N")
 if not (felt[-1] > 0.5 and hum < 0.02 * felt[-1] and left < 1e-12):

@@ -4,9 +4,10 @@ contact on the same scene. PYTHONPATH names the package, MuJoCo is of build/venv
 
     python_batch.py [ENVIRONMENTS [TICKS]]
 
-The block is MuJoCo's flex of 6 vertices a side, 70 mm; here it is masses and springs, of the same surface. The tool, a capsule
-of 100 mm, comes down onto it, and slides. Errors are those of the gap against brute force, each at its own positions. Ticks a
-second are those of one environment times environments, the best of three; physics, contact and what is read are within.
+The block is MuJoCo's flex of 6 vertices a side, 70 mm; here it is masses and springs, of the same surface. The tool, a
+capsule of 100 mm, comes down onto it, and slides. Errors are those of the gap against brute force, each at its own
+positions. Ticks a second are those of one environment times environments, the best of three; physics, contact and what
+is read are within.
 """
 import sys
 import time
@@ -65,7 +66,8 @@ def run_singles(mesh, top, count, ticks):
     for _ in range(count):
         world = dp.World()
         body = world.add_deformable(mesh, load_radius=0.02)
-        made.append((world, body, dp.Springs(mesh, integrator="implicit"), world.add_tool([0, 0, -HALF], [0, 0, HALF], RADIUS)))
+        springs, tool = dp.Springs(mesh, integrator="implicit"), world.add_tool([0, 0, -HALF], [0, 0, HALF], RADIUS)
+        made.append((world, body, springs, tool))
     steps, wrenches = 0.0, []
     for tick in range(ticks):
         poses = [np.array([*place(i, tick, top), *LYING]) for i in range(count)]
@@ -181,19 +183,19 @@ def main():
     vertices, corners = surface(model, data)
     start = data.qpos.copy()
     top, mesh = float(vertices[:, 2].max()), make_block(vertices, corners)
-    print(f"{len(mesh)} triangles, {len(mesh.vertices)} vertices, {int(mesh.info.spring_nodes)} nodes here; "
-          f"{model.nflexvert} vertices, {model.nflexelem} tetrahedra in MuJoCo {mujoco.__version__}; {count} environments")
-    rows = {}
+    print(f"{len(mesh)} triangles, {len(mesh.vertices)} vertices, {int(mesh.info.spring_nodes)} nodes here; {count} "
+          f"environments; {model.nflexvert} vertices, {model.nflexelem} tetrahedra in MuJoCo {mujoco.__version__}")
+    rows, few = {}, count // 10
     for _ in range(3):
         for name, run in (("one by one", lambda: run_singles(mesh, top, count, ticks)),
                           ("batch, 1 thread", lambda: run_batch(mesh, top, count, ticks, 1)),
                           ("batch, 2 threads", lambda: run_batch(mesh, top, count, ticks, 2)),
                           ("contact, 1 thread", lambda: (run_contact(mesh, top, count, ticks, 1), None)),
                           ("contact, 2 threads", lambda: (run_contact(mesh, top, count, ticks, 2), None)),
-                          ("MuJoCo, 1 thread", lambda: (run_mujoco(model, start, top, count // 10, ticks, 1), None)),
-                          ("MuJoCo, 2 threads", lambda: (run_mujoco(model, start, top, count // 10, ticks, 2), None)),
-                          ("its contact, 1", lambda: (run_mujoco_contact(model, start, top, count // 10, ticks, 1), None)),
-                          ("its contact, 2", lambda: (run_mujoco_contact(model, start, top, count // 10, ticks, 2), None))):
+                          ("MuJoCo, 1 thread", lambda: (run_mujoco(model, start, top, few, ticks, 1), None)),
+                          ("MuJoCo, 2 threads", lambda: (run_mujoco(model, start, top, few, ticks, 2), None)),
+                          ("its contact, 1", lambda: (run_mujoco_contact(model, start, top, few, ticks, 1), None)),
+                          ("its contact, 2", lambda: (run_mujoco_contact(model, start, top, few, ticks, 2), None))):
             rate, wrench = run()
             rows[name] = max(rate, rows.get(name, (0, None))[0]), wrench
     alone = rows["one by one"]

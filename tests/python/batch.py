@@ -57,8 +57,8 @@ class Batch(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         places, corners = make_mesh("liver", "600")
-        settings = {"kind": "volume", "spacing": 0.03, "young": 5000.0, "density": 1000.0, "drag": 5.0, "viscosity": 0.002,
-                    "fixed": np.flatnonzero(places[:, 1] < np.median(places[:, 1]))}
+        settings = {"kind": "volume", "spacing": 0.03, "young": 5000.0, "density": 1000.0, "drag": 5.0,
+                    "viscosity": 0.002, "fixed": np.flatnonzero(places[:, 1] < np.median(places[:, 1]))}
         cls.liver = dp.Mesh.compile(places, corners, unit="m")
         cls.soft = dp.Mesh.compile(places, corners, unit="m", springs=settings)
         near = np.hypot(places[:, 0], places[:, 2]) < 0.012
@@ -81,7 +81,8 @@ class Batch(unittest.TestCase):
             world.step(DT)
             kept.append([array.copy() for tool in (near, far) for array in
                          (tool.wrench, tool.proxy, tool.hit["gap"], tool.force["energy"], tool.loads, tool.load_count,
-                          tool.contacts, tool.contact_count)] + [body.wrench.copy(), soft.wrench.copy(), soft.loads.copy()])
+                          tool.contacts, tool.contact_count)]
+                        + [body.wrench.copy(), soft.wrench.copy(), soft.loads.copy()])
         return kept, soft.vertices
 
     def test_a_batch_answers_as_single_worlds_do_bit_for_bit(self):
@@ -107,12 +108,14 @@ class Batch(unittest.TestCase):
                         self.assertEqual(proxy[i].tobytes(), tool.proxy.tobytes())
                         self.assertEqual(gap[i].tobytes(), tool.hit["gap"].tobytes())
                         self.assertEqual(energy[i], tool.force["energy"])
-                        for mine, theirs, count in ((loads, tool.loads, load_count), (contacts, tool.contacts, contact_count)):
+                        for mine, theirs, count in ((loads, tool.loads, load_count),
+                                                    (contacts, tool.contacts, contact_count)):
                             self.assertEqual(count[i], len(theirs))
                             for name in ("body", "segment", "triangle"):
                                 self.assertTrue(np.array_equal(mine[name][i, :count[i]], theirs[name]))
                         self.assertEqual(loads["point"][i, :load_count[i]].tobytes(), tool.loads["point"].tobytes())
-                        self.assertEqual(contacts["normal"][i, :contact_count[i]].tobytes(), tool.contacts["normal"].tobytes())
+                        self.assertEqual(contacts["normal"][i, :contact_count[i]].tobytes(),
+                                         tool.contacts["normal"].tobytes())
                     self.assertEqual(row[16][i].tobytes(), body.wrench.tobytes())
                     dense = np.zeros((len(self.soft.vertices), 3))
                     for load in soft.loads:
@@ -156,7 +159,8 @@ class Batch(unittest.TestCase):
     def test_a_cloth_on_a_tool_weighs_m_g(self):
         mesh = sheet(6, 0.12)
         with dp.batch.World(4, threads=2, stiffness=500.0) as world:
-            cloth = world.add_deformable(mesh, (0, 0.02, 0), load_radius=0.01, springs={**SPRINGS, "gravity": (0.0, -9.81, 0.0)})
+            cloth = world.add_deformable(mesh, (0, 0.02, 0), load_radius=0.01,
+                                         springs={**SPRINGS, "gravity": (0.0, -9.81, 0.0)})
             tool = world.add_tool([-0.1, 0, 0], [0.1, 0, 0], 0.01)
             tool.set(lock_rotation=1)
             cloth.set(static_friction=1.0, kinetic_friction=1.0)

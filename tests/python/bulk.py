@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""dynpoint.bulk: lists that are compiled, queried and swept, on processes of this machine and on Dask's workers; a worker is
-killed in the middle, and nothing is lost, nothing done twice, and every hash is the program's. BULK is how many organs."""
+"""dynpoint.bulk: lists that are compiled, queried and swept, on processes of this machine and on Dask's workers; a
+worker is killed in the middle, and nothing is lost, nothing done twice, and every hash is the program's. BULK is how
+many organs."""
 import json
 import multiprocessing
 import os
@@ -23,7 +24,8 @@ COUNT = int(os.environ.get("BULK", 40))
 
 
 def write_organs(room):
-    """Organs, each another: a liver whose vertices are moved by a wave of its own. Every tenth is malformed in one of four ways."""
+    """Organs, each another: a liver whose vertices are moved by a wave of its own. Every tenth is malformed in one of
+    four ways."""
     program("make", "liver", "400", "-o", room / "liver.obj")
     lines = (room / "liver.obj").read_text(encoding="ascii").splitlines()
     places = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], float)
@@ -144,7 +146,8 @@ class Bulk(unittest.TestCase):
             dp.bulk.run("compile", path, table, workers=1, unit="mm")
 
     def test_a_job_that_kills_each_worker_is_named(self):
-        jobs = [dp.bulk.Job("compile", (f"{self.room}/in/{i}.obj", f"{self.room}/deadly{i}.dpa"), {"unit": "m"}) for i in range(4)]
+        jobs = [dp.bulk.Job("compile", (f"{self.room}/in/{i}.obj", f"{self.room}/deadly{i}.dpa"), {"unit": "m"})
+                for i in range(4)]
         jobs.insert(2, dp.bulk.Job("compile", ("deadly", "never.dpa"), {"unit": Deadly()}))
         pool = dp.bulk._Pool(2)
         rows = {row.out: row for row in pool.run(jobs)}
@@ -170,7 +173,8 @@ class Bulk(unittest.TestCase):
         hits = np.load(room / "hits0.npy")
         self.assertEqual(hits.tobytes(), mesh.query(np.load(room / "ends0.npy"), radius=0.002).tobytes())
         settings = [{"tool": {"stiffness": k}, "radius": 0.003, "length": 0.1} for k in (200, 400)]
-        lines = [f"{room}/program/0.dpa\t{room}/felt{k}.npy\t{room}/poses.npy\t{json.dumps(each)}" for k, each in enumerate(settings)]
+        lines = [f"{room}/program/0.dpa\t{room}/felt{k}.npy\t{room}/poses.npy\t{json.dumps(each)}"
+                 for k, each in enumerate(settings)]
         lines.append(f"liver\t{room}/scene.npy\t{room}/poses.npy\t{json.dumps({'stiffness': 300})}")
         (room / "sweep.list").write_text("\n".join(lines), encoding="utf-8")
         first = dp.bulk.run("sweep", room / "sweep.list", room / "sweep.tsv", workers=2)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""dynpoint.exports: a recording that went to HDF5, MCAP or LeRobot's columns and came back has its old bytes, and a replay of it
-finds the same forces; h5py, mcap with ROS 2's decoder, and pyarrow read what was written without this package."""
+"""dynpoint.exports: a recording that went to HDF5, MCAP or LeRobot's columns and came back has its old bytes, and a
+replay of it finds the same forces; h5py, mcap with ROS 2's decoder, and pyarrow read what was written without this
+package."""
 import importlib.util
 import json
 import subprocess
@@ -135,8 +136,8 @@ class Exports(unittest.TestCase):
         for path, to in zip(chain, chain[1:]):
             subprocess.run([sys.executable, "-m", "dynpoint.exports", path, to], check=True)
         self.assertEqual(chain[-1].read_bytes(), chain[0].read_bytes())
-        wrong = subprocess.run([sys.executable, "-m", "dynpoint.exports", chain[0], self.room / "x.csv"], capture_output=True,
-                               text=True, check=False)
+        wrong = subprocess.run([sys.executable, "-m", "dynpoint.exports", chain[0], self.room / "x.csv"],
+                               capture_output=True, text=True, check=False)
         self.assertEqual((wrong.returncode, "wanted .dpr, .h5" in wrong.stderr), (1, True))
 
     def test_nan_of_a_broken_device_and_a_file_that_is_cut(self):

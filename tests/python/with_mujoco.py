@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""dynpoint.with_mujoco: physics of MuJoCo's, contact of ours. Loads balance, weights are m g, tissue that tells how far it gives way
-does not shake, the gap is that of brute force; and the sample runs."""
+"""dynpoint.with_mujoco: physics of MuJoCo's, contact of ours. Loads balance, weights are m g, tissue that tells how far
+it gives way does not shake, the gap is that of brute force; and the sample runs."""
 import importlib.util
 import subprocess
 import sys
@@ -20,9 +20,9 @@ if HAS_MUJOCO:
 ROOT = Path(__file__).resolve().parents[2]
 OFF = 'contype="0" conaffinity="0"'
 PROBE = f'<body name="probe" mocap="true" pos="0 0 0.1"><geom type="sphere" size="0.01" {OFF}/></body>'
-BLOCK = """<flexcomp name="organ" type="grid" dim="3" count="{count} {count} {count}" spacing="{edge} {edge} {edge}" radius="0" mass="0.3"
-  pos="0 0 {height}"><contact selfcollide="none" contype="0" conaffinity="0"/><elasticity young="2e4" poisson="0.2" damping="0.01"/>
-  {pins}</flexcomp>"""
+BLOCK = """<flexcomp name="organ" type="grid" dim="3" count="{count} {count} {count}" spacing="{edge} {edge} {edge}"
+  radius="0" mass="0.3" pos="0 0 {height}"><contact selfcollide="none" contype="0" conaffinity="0"/>
+  <elasticity young="2e4" poisson="0.2" damping="0.01"/>{pins}</flexcomp>"""
 PINNED = '<pin gridrange="0 0 0 4 4 0"/>'
 
 
@@ -42,8 +42,8 @@ class WithMujoco(unittest.TestCase):
         """A ball of 2,000 N/m comes down 15 mm, and stays."""
         model, data = make(block(6, pins='<pin gridrange="0 0 0 5 5 0"/>') + PROBE, period)
         model.dof_damping[:] = 0.007
-        touch = Touch(model, data, tool="probe", flexes=["organ"], ticks=round(period / 0.001), load_radius=0.02, max_points=64,
-                      compliance=compliance, tool_settings={"stiffness": 2000})
+        touch = Touch(model, data, tool="probe", flexes=["organ"], ticks=round(period / 0.001), load_radius=0.02,
+                      max_points=64, compliance=compliance, tool_settings={"stiffness": 2000})
         forces, left, apart = [], 0.0, []
         for step in range(round(1.0 / period)):
             data.mocap_pos[0, 2] = 0.09 - 0.02 * min(1.0, step * period / 0.3)
@@ -58,8 +58,8 @@ class WithMujoco(unittest.TestCase):
         shaking, _, _, _ = self.press({"organ": 0})
         fast, _, _, _ = self.press(None, 0.001)
         hum, shake = silent[-30:].std(), shaking[-30:].std()
-        print(f"note 100 Hz, 2,000 N/m: {silent[-1]:.4f} N, hum {hum:.1e} N with the tissue's answer, {shake:.2f} N without; "
-              f"{fast[-1]:.4f} N at 1,000 Hz")
+        print(f"note 100 Hz, 2,000 N/m: {silent[-1]:.4f} N, hum {hum:.1e} N with the tissue's answer, {shake:.2f} N "
+              f"without; {fast[-1]:.4f} N at 1,000 Hz")
         self.assertLess(hum, 1e-3 * silent[-1])
         self.assertGreater(shake, 0.1 * silent[-1])
         self.assertLess(abs(silent[-1] / fast[-1] - 1), 0.01)
@@ -67,7 +67,8 @@ class WithMujoco(unittest.TestCase):
         self.assertGreater(apart.min(), 0.01 - 1e-5)  # the ball is in no vertex
 
     def test_what_is_felt_is_what_holds_the_tissue(self):
-        """The pinned vertices bear the tool and the block's weight: force in, force out, by MuJoCo's own dynamics at rest."""
+        """The pinned vertices bear the tool and the block's weight: force in, force out, by MuJoCo's own dynamics at
+        rest."""
         _, _, _, touch = self.press(None, 0.001)
         data, model = touch.data, touch.model
         self.assertLess(np.abs(data.qacc).max(), 0.5)
@@ -99,7 +100,8 @@ class WithMujoco(unittest.TestCase):
         for _ in range(2000):
             touch.step()
         floor = sum(data.efc_force[contact.efc_address:contact.efc_address + 4].sum() for contact in data.contact)
-        print(f"note a tool on a box: felt {touch.wrench[2]:.4f} N of {0.2 * 9.81:.4f}, the floor bears {floor:.3f} of {0.7 * 9.81:.3f}")
+        print(f"note a tool on a box: felt {touch.wrench[2]:.4f} N of {0.2 * 9.81:.4f}, the floor bears {floor:.3f} of "
+              f"{0.7 * 9.81:.3f}")
         self.assertLess(abs(touch.wrench[2] / (0.2 * 9.81) - 1), 0.02)
         self.assertLess(abs(floor / (0.7 * 9.81) - 1), 0.02)
         self.assertLess(np.abs(touch.body_wrenches[0, :3] + touch.mean_wrench[:3]).max(), 1e-12)
@@ -120,7 +122,8 @@ class WithMujoco(unittest.TestCase):
         self.assertTrue(0.2 * 1e-6 / mass < measure_compliance(model, data, "organ") <= 1.001 * 1e-6 / mass)
 
     def test_the_sample(self):
-        told = subprocess.run([sys.executable, ROOT / "docs/samples/mujoco_touch.py"], capture_output=True, text=True, check=False)
+        told = subprocess.run([sys.executable, ROOT / "docs/samples/mujoco_touch.py"], capture_output=True, text=True,
+                              check=False)
         self.assertEqual(told.returncode, 0, told.stdout + told.stderr)
         self.assertRegex(told.stdout, "the organ was pressed by .* N, the bone by .* N")
 

@@ -49,7 +49,7 @@ sdist: ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 
 $(B)/src/bindings/python/%.o: src/bindings/python/%.c
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Idrivers -Itests/abi -isystem $(PY_INCLUDE) -c $< -o $@
+	$(CC) $(ALL_CFLAGS) -Itests/abi -isystem $(PY_INCLUDE) -c $< -o $@
 $(PY)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -I$(PY) -Idrivers -Itools -c $< -o $@

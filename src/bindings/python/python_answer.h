@@ -5,7 +5,10 @@
 
 #include "bindings/python/python_error.h"
 
-/* get_mean_loads(out): how many there are and of how many seconds they are the mean; those are in `out` if it has room for all. */
+/*
+ * get_mean_loads(out): how many there are, and of how many seconds they are the mean; they are in `out` if it has room for
+ * all.
+ */
 PyObject *dpy_get_mean_loads(PyObject *body, PyObject *out);
 
 /* set_answered_loads(loads): structs, which the positions that are set next hold. */

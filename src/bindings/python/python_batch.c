@@ -3,10 +3,11 @@
 
 #include "bindings/python/python_springs.h"
 #include "bindings/python/python_world.h"
-#include "platform/thread.h"
 
 #include "dynpoint/tool.h"
 
+#include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -177,13 +178,17 @@ static void *work(void *user)
     return NULL;
 }
 
-/* The caller works too: a thread that cannot be started only makes it slower. */
+/* The caller works too: a thread that cannot be started only makes it slower. Signals stay with Python's threads. */
 static void run(batch_step *batch, uint32_t threads)
 {
     pthread_t thread[THREADS_MAX];
+    sigset_t all, before;
     uint32_t started = 0;
-    while (started + 1 < threads && thread_start(&thread[started], work, batch) == 0)
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (started + 1 < threads && pthread_create(&thread[started], NULL, work, batch) == 0)
         started++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
     work(batch);
     while (started > 0)
         pthread_join(thread[--started], NULL);

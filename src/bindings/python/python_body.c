@@ -196,7 +196,7 @@ static PyObject *body_get_loads(PyObject *object, PyObject *to)
     return result == DPT_OK ? PyLong_FromUnsignedLong(count) : dpy_fail(result, "DeformableBody.loads", NULL);
 }
 
-/* step_springs(springs, dt, info): physics of the tissue, without Python's lock; None: the body has a compliance. */
+/* step_springs(springs, dt, info): physics of the tissue, without Python's lock; None: of a body with a compliance. */
 static PyObject *body_step_springs(PyObject *object, PyObject *args)
 {
     dpy_member *self = (dpy_member *)object;

@@ -17,17 +17,19 @@ class Tissue:
 
     places       (n, 3), m, in the world: all that the owner has
     corners      (m, 3): triangles of the surface, in the owner's numbers
-    compliance   m/N: how far a newton that acts on a vertex in a step of the owner's has moved it by the end of the step; 0: it
-                 is not told, and the loads are those of the last tick
+    compliance   m/N: how far a newton that acts on a vertex in a step of the owner's has moved it by the end of the
+                 step; 0: it is not told, and the loads are those of the last tick
     """
 
-    def __init__(self, world: World, places: Any, corners: Any, compliance: float, load_radius: float, **settings: Any) -> None:
+    def __init__(self, world: World, places: Any, corners: Any, compliance: float, load_radius: float,
+                 **settings: Any) -> None:
         used, corners = np.unique(corners, return_inverse=True)
         self.count = len(places)
         self.mesh = Mesh.compile(np.asarray(places)[used], corners.reshape(-1, 3), unit="m")
         self.order: npt.NDArray[np.int64] = used[self.mesh.vertex_sources]  # the owner's number of each of ours
         self.answers = compliance > 0
-        self.body: DeformableBody = world.add_deformable(self.mesh, compliance=compliance, load_radius=load_radius, **settings)
+        self.body: DeformableBody = world.add_deformable(self.mesh, compliance=compliance, load_radius=load_radius,
+                                                         **settings)
         self._taken: Records = np.zeros(0, LOAD)
 
     def take(self) -> Floats:

@@ -108,8 +108,8 @@ class Tools(_Members):
 
     @property
     def normals(self) -> Floats:
-        """(n, k, 3): of each load, from the point towards the tool's axis, where the proxy is: unit. 0 where there is no load,
-        and for tools without a radius. A world needs read=("loads", "proxy", ...)."""
+        """(n, k, 3): of each load, from the point towards the tool's axis, where the proxy is: unit. 0 where there is no
+        load, and for tools without a radius. A world needs read=("loads", "proxy", ...)."""
         if not len(self.loads) or self.rows[3] is None:
             raise ValueError('normals: the batch has them of read=("loads", "proxy")')
         which = np.minimum(self.loads["segment"], len(self.segments) - 1)
@@ -184,7 +184,8 @@ class DeformableBodies(Bodies):
 class World:
     """n environments. Keywords are those of dynpoint.World. What is added to it is added to each of them.
 
-    read     what is read after each step beside wrenches: some of READ. "hit" costs a search; "contacts" needs max_contacts
+    read     what is read after each step beside wrenches: some of READ. "hit" costs a search; "contacts" needs
+             max_contacts
     threads  None: as many as there are processors. The answers do not depend on it
     room     loads and contacts of a tool that are read
 
@@ -224,9 +225,9 @@ class World:
 
     def add_deformable(self, mesh: Mesh, pose: Optional[Numbers] = None, *,
                        springs: Union[Dict[str, Any], bool, None] = None, **settings: Any) -> DeformableBodies:
-        """A body that gives way, in each. `springs`: a dict of settings, or True, for masses and springs of the mesh, which the
-        step moves; without them you set `vertices`. Other keywords are those of dpt_deformable_def: with `compliance` the
-        tool feels the tissue give way between two of your steps."""
+        """A body that gives way, in each. `springs`: a dict of settings, or True, for masses and springs of the mesh,
+        which the step moves; without them you set `vertices`. Other keywords are those of dpt_deformable_def: with
+        `compliance` the tool feels the tissue give way between two of your steps."""
         members = [world.add_deformable(mesh, pose, **settings) for world in self.worlds]
         moved: Optional[List[Springs]] = None
         if springs:
@@ -237,7 +238,8 @@ class World:
         self.bodies.append(bodies)
         return bodies
 
-    def add_tool(self, a: Any, b: Any = None, radius: Any = 0.0, pose: Optional[Numbers] = None, **settings: Any) -> Tools:
+    def add_tool(self, a: Any, b: Any = None, radius: Any = 0.0, pose: Optional[Numbers] = None,
+                 **settings: Any) -> Tools:
         """A tool of capsules in each."""
         segments = _world.make_segments(a, b, radius)
         members = [world.add_tool(segments, **settings) for world in self.worlds]
@@ -248,9 +250,9 @@ class World:
         return tools
 
     def step(self, dt: float) -> None:
-        """A tick of each environment: tools and bodies are moved to `pose`, what springs move goes on, answers are written. An
-        environment that fails does not stop the others; then the first one's error is raised, and `results` has all of
-        them."""
+        """A tick of each environment: tools and bodies are moved to `pose`, what springs move goes on, answers are
+        written. An environment that fails does not stop the others; then the first one's error is raised, and `results`
+        has all of them."""
         try:
             _dynpoint.step_batch(self.worlds, dt, self.threads, self._points, tuple(tool.rows for tool in self.tools),
                                  tuple(body.rows for body in self.bodies), self.results)
@@ -260,8 +262,8 @@ class World:
                     body.stepped()
 
     def reset(self, which: Any = None) -> None:
-        """Environments begin again, all or those of an index or a mask: tools jump to `pose`, bodies that give way are as they
-        were made and at rest, nothing is known of the steps before."""
+        """Environments begin again, all or those of an index or a mask: tools jump to `pose`, bodies that give way are
+        as they were made and at rest, nothing is known of the steps before."""
         numbers = np.arange(self.count)
         for i in numbers if which is None else np.atleast_1d(numbers[which]):
             self._reset(int(i))
@@ -292,5 +294,5 @@ class World:
         self.close()
 
     def __repr__(self) -> str:
-        return (f"<dynpoint.batch.World: {self.count} environments of {len(self.bodies)} bodies and {len(self.tools)} tools, "
-                f"{self.threads} threads>")
+        return (f"<dynpoint.batch.World: {self.count} environments of {len(self.bodies)} bodies and {len(self.tools)} "
+                f"tools, {self.threads} threads>")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Many jobs on many processors or machines: meshes compiled, data sets queried, scenes and settings swept. A manifest in, a row
-for each job out. Called again, what is done is not done again; a worker that dies loses nothing.
+"""Many jobs on many processors or machines: meshes compiled, data sets queried, scenes and settings swept. A manifest
+in, a row for each job out. Called again, what is done is not done again; a worker that dies loses nothing.
 
     python3 -m dynpoint.bulk compile MANIFEST RESULTS.tsv --unit mm --workers 2
     python3 -m dynpoint.bulk query MANIFEST RESULTS.tsv --scheduler tcp://ADDRESS:8786
@@ -11,9 +11,9 @@ Manifests are lines with tabs between; empty lines and those that begin with # a
     query    MESH.dpa     OUT.npy   ENDS.npy                 ends (n, 6) of float64; out: structs of HIT
     sweep    SCENE        OUT.npy   POSES.npy   SETTINGS     poses (n, 7), settings in JSON; out: wrenches (n, 6)
 
-The table of results has a line for each, in the manifest's order: what was read, OUT, a verdict (DPT_OK or an error's name),
-SHA-256 of OUT, seconds, and a note. It is the table of `dynpoint compile --list`; of compile the first four columns are the
-same, and so are the files.
+The table of results has a line for each, in the manifest's order: what was read, OUT, a verdict (DPT_OK or an error's
+name), SHA-256 of OUT, seconds, and a note. It is the table of `dynpoint compile --list`; of compile the first four
+columns are the same, and so are the files.
 """
 from __future__ import annotations
 
@@ -191,8 +191,8 @@ def _end_with_parent() -> None:
 
 
 class _Pool:
-    """Spawned processes of this machine. One that dies breaks the pool: those jobs that may have killed it are run once more,
-    each alone in the end."""
+    """Spawned processes of this machine. One that dies breaks the pool: those jobs that may have killed it are run once
+    more, each alone in the end."""
 
     def __init__(self, workers: int) -> None:
         self.workers, self.lost = workers, 0
@@ -203,7 +203,8 @@ class _Pool:
         deaths: Dict[str, int] = {}
         while waiting or suspects:
             alone = not waiting
-            yield from self._run_some(suspects if alone else waiting, 1 if alone else self.workers, suspects, deaths, alone)
+            some, workers = (suspects, 1) if alone else (waiting, self.workers)
+            yield from self._run_some(some, workers, suspects, deaths, alone)
 
     def _run_some(self, waiting: List[Job], workers: int, suspects: List[Job], deaths: Dict[str, int],
                   alone: bool) -> Iterator[Row]:
@@ -269,7 +270,7 @@ class _Cluster:
 
 def read_manifest(kind: str, manifest: PathLike, settings: Mapping[str, Any]) -> List[Job]:
     """Its jobs; ValueError with the line that is wrong."""
-    jobs, outs = [], set()
+    jobs, outs, ending = [], set(), ".dpa" if kind == "compile" else ".npy"
     for number, line in enumerate(Path(manifest).read_text(encoding="utf-8").splitlines(), 1):
         if not line or line.startswith("#"):
             continue
@@ -278,8 +279,8 @@ def read_manifest(kind: str, manifest: PathLike, settings: Mapping[str, Any]) ->
             raise ValueError(f"{manifest}:{number}: a line of {kind} has {CELLS[kind]} cells, with tabs between")
         if cells[1] in outs:
             raise ValueError(f"{manifest}:{number}: '{cells[1]}' is to be written twice")
-        if not cells[1].endswith(".dpa" if kind == "compile" else ".npy"):
-            raise ValueError(f"{manifest}:{number}: '{cells[1]}' does not end in {'.dpa' if kind == 'compile' else '.npy'}")
+        if not cells[1].endswith(ending):
+            raise ValueError(f"{manifest}:{number}: '{cells[1]}' does not end in {ending}")
         if cells[1] in (cells[0], *cells[2:]):
             raise ValueError(f"{manifest}:{number}: '{cells[1]}' is read, too")
         outs.add(cells[1])
@@ -290,8 +291,8 @@ def read_manifest(kind: str, manifest: PathLike, settings: Mapping[str, Any]) ->
 
 
 def _first_line(kind: str, settings: Mapping[str, Any]) -> str:
-    said = json.dumps({name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in settings.items()},
-                      sort_keys=True, default=lambda value: value.tolist() if isinstance(value, np.ndarray) else str(value))
+    said = json.dumps(dict(settings), sort_keys=True,
+                      default=lambda value: value.tolist() if isinstance(value, np.ndarray) else str(value))
     return f"# dynpoint {_dynpoint.version}, {kind} {hashlib.sha256(said.encode()).hexdigest()[:16]}\n"
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Recordings (.dpr) as NumPy's arrays, HDF5, MCAP and LeRobotDataset v3, and back again, bit for bit: a replay of what comes
-back gives the same forces. docs/exports.md is the contract: what is sampled when, in which units and frames.
+"""Recordings (.dpr) as NumPy's arrays, HDF5, MCAP and LeRobotDataset v3, and back again, bit for bit: a replay of what
+comes back gives the same forces. docs/exports.md is the contract: what is sampled when, in which units and frames.
 
     python3 -m dynpoint.exports run.dpr run.h5         # or run.mcap, or a folder for LeRobot
     python3 -m dynpoint.exports run.h5 again.dpr       # from each of them
@@ -130,8 +130,8 @@ def load(path: PathLike) -> Take:
 # ---- HDF5
 
 def to_hdf5(take: Take, path: PathLike) -> None:
-    """/ticks/FIELD, (n, ...), with attributes unit, frame and when; /header and /pieces, bytes; what the header tells is in
-    attributes of the file."""
+    """/ticks/FIELD, (n, ...), with attributes unit, frame and when; /header and /pieces, bytes; what the header tells is
+    in attributes of the file."""
     h5py = import_module("h5py")
     with h5py.File(path, "w") as file:
         file.attrs.update(format="dynpoint recording", contract=CONTRACT, text=take.text, rate=take.rate,
@@ -169,8 +169,8 @@ def _ros_definition() -> str:
 
 
 def to_mcap(take: Take, path: PathLike) -> None:
-    """Messages of TYPE on TOPIC; their log time is time_ns, on the device's clock. The header's text is metadata `dynpoint`;
-    header and pieces are attachments."""
+    """Messages of TYPE on TOPIC; their log time is time_ns, on the device's clock. The header's text is metadata
+    `dynpoint`; header and pieces are attachments."""
     writer_module = import_module("mcap.writer")
     with open(path, "wb") as file:
         writer = writer_module.Writer(file)
@@ -233,8 +233,8 @@ def _statistics(array: npt.NDArray[Any]) -> Dict[str, List[float]]:
 
 
 def to_lerobot(takes: Sequence[Take], folder: PathLike, *, task: str = "touch", robot: str = "dynpoint") -> None:
-    """A data set of the recordings, an episode each; `folder` must not be there. The rate of all must be one, a whole number.
-    `timestamp` is frame_index / fps, as LeRobot wants it; when a sample was taken is dynpoint.time_ns."""
+    """A data set of the recordings, an episode each; `folder` must not be there. The rate of all must be one, a whole
+    number. `timestamp` is frame_index / fps, as LeRobot wants it; when a sample was taken is dynpoint.time_ns."""
     pa, pq = import_module("pyarrow"), import_module("pyarrow.parquet")
     root = Path(folder)
     rates = {take.rate for take in takes}
@@ -248,27 +248,29 @@ def to_lerobot(takes: Sequence[Take], folder: PathLike, *, task: str = "touch", 
     for number, each in enumerate(columns):
         count = len(takes[number].records)
         frame = np.arange(count)
-        index: Dict[str, npt.NDArray[Any]] = {"timestamp": (frame / fps).astype(np.float32), "frame_index": frame, "episode_index": np.full(count, number),
-                 "index": begin + frame, "task_index": np.zeros(count, np.int64)}
+        index: Dict[str, npt.NDArray[Any]] = {
+            "timestamp": (frame / fps).astype(np.float32), "frame_index": frame, "episode_index": np.full(count, number),
+            "index": begin + frame, "task_index": np.zeros(count, np.int64)}
         tables.append(pa.table({name: _arrow(pa, array) for name, array in {**each, **index}.items()}))
-        row: Dict[str, Any] = {"episode_index": number, "tasks": [task], "length": count, "data/chunk_index": 0, "data/file_index": number,
-               "dataset_from_index": begin, "dataset_to_index": begin + count, "meta/episodes/chunk_index": 0,
-               "meta/episodes/file_index": 0}
+        row: Dict[str, Any] = {
+            "episode_index": number, "tasks": [task], "length": count, "data/chunk_index": number // _CHUNK,
+            "data/file_index": number % _CHUNK, "dataset_from_index": begin, "dataset_to_index": begin + count,
+            "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0}
         row.update((f"stats/{name}/{what}", value) for name, array in {**each, **index}.items()
                    for what, value in _statistics(array).items())
         episodes.append(row)
         begin += count
     for number, table in enumerate(tables):
         place = root / _DATA.format(chunk_index=number // _CHUNK, file_index=number % _CHUNK)
-        episodes[number].update({"data/chunk_index": number // _CHUNK, "data/file_index": number % _CHUNK})
         place.parent.mkdir(parents=True, exist_ok=True)
         pq.write_table(table, place)
     (root / "meta/episodes/chunk-000").mkdir(parents=True)
     pq.write_table(pa.Table.from_pylist(episodes), root / "meta/episodes/chunk-000/file-000.parquet")
     tasks = pa.table({"task_index": pa.array([0], pa.int64()), "__index_level_0__": [task]})
+    kinds = (("task_index", "task_index", "int64", "int64"), (None, "__index_level_0__", "unicode", "object"))
     about = {"index_columns": ["__index_level_0__"], "column_indexes": [], "columns": [
-        {"name": "task_index", "field_name": "task_index", "pandas_type": "int64", "numpy_type": "int64", "metadata": None},
-        {"name": None, "field_name": "__index_level_0__", "pandas_type": "unicode", "numpy_type": "object", "metadata": None}]}
+        {"name": name, "field_name": field, "pandas_type": kind, "numpy_type": base, "metadata": None}
+        for name, field, kind, base in kinds]}
     pq.write_table(tasks.replace_schema_metadata({"pandas": json.dumps(about)}), root / "meta/tasks.parquet")
     whole = {name: np.concatenate([each[name] for each in columns]) for name in columns[0]}
     features = {name: _feature(name, array) for name, array in whole.items()}
@@ -280,8 +282,9 @@ def to_lerobot(takes: Sequence[Take], folder: PathLike, *, task: str = "touch", 
         "total_tasks": 1, "chunks_size": _CHUNK, "data_files_size_in_mb": 100, "video_files_size_in_mb": 200, "fps": fps,
         "splits": {"train": f"0:{len(takes)}"}, "data_path": _DATA, "video_path": None, "features": features})
     _write_json(root / "meta/stats.json", {name: _statistics(array) for name, array in whole.items()})
+    fields = {name: dict(zip(("unit", "frame", "when"), what)) for name, what in FIELDS.items()}
     _write_json(root / "meta/dynpoint.json", {
-        "contract": CONTRACT, "fields": {name: dict(zip(("unit", "frame", "when"), what)) for name, what in FIELDS.items()},
+        "contract": CONTRACT, "fields": fields,
         "episodes": [{"text": take.text, "header": take.header.hex(), "pieces": take.pieces.hex()} for take in takes]})
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""MuJoCo's physics, dynpoint's contact. Tool and bodies move in MuJoCo; what the tool touches and feels, of soft bodies (flex)
-and of rigid geoms, comes from dynpoint; the loads go back into MuJoCo's next step. docs/physics.md.
+"""MuJoCo's physics, dynpoint's contact. Tool and bodies move in MuJoCo; what the tool touches and feels, of soft bodies
+(flex) and of rigid geoms, comes from dynpoint; the loads go back into MuJoCo's next step. docs/physics.md.
 
     model = mujoco.MjModel.from_xml_path("scene.xml")     # the tool's geoms have contype="0" conaffinity="0"
     data = mujoco.MjData(model)
@@ -25,8 +25,8 @@ from ._world import Body, World, make_segments
 mujoco: Any = import_module("mujoco")
 
 _BOX = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
-_BOX_TRIANGLES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6],
-                           [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+_BOX_TRIANGLES = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6],
+                           [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
 
 
 def _id(model: Any, kind: Any, name: str) -> int:
@@ -48,7 +48,8 @@ class Flex(Tissue):
     def __init__(self, model: Any, data: Any, name: str, world: World, compliance: float, load_radius: float,
                  settings: Dict[str, Any]) -> None:
         number = _id(model, mujoco.mjtObj.mjOBJ_FLEX, name)
-        first, count, dimension = (int(array[number]) for array in (model.flex_vertadr, model.flex_vertnum, model.flex_dim))
+        facts = model.flex_vertadr, model.flex_vertnum, model.flex_dim
+        first, count, dimension = (int(array[number]) for array in facts)
         self.rows = slice(first, first + count)
         if dimension == 2:
             at, size = int(model.flex_elemdataadr[number]), int(model.flex_elemnum[number])
@@ -65,16 +66,16 @@ class Flex(Tissue):
 
 
 def measure_compliance(model: Any, data: Any, flex: str, push: float = 0.01, samples: int = 12) -> float:
-    """How far a newton that acts on a vertex in one step has moved it by the end of the step, m/N: some vertices are pushed in
-    a copy of the state, and the median is told. Vertices that do not move are left out."""
+    """How far a newton that acts on a vertex in one step has moved it by the end of the step, m/N: some vertices are
+    pushed in a copy of the state, and the median is told. Vertices that do not move are left out."""
     number = _id(model, mujoco.mjtObj.mjOBJ_FLEX, flex)
     first, count = int(model.flex_vertadr[number]), int(model.flex_vertnum[number])
     found = []
 
     def stepped(vertex: Optional[int]) -> Floats:
         copy = mujoco.MjData(model)
-        copy.qpos[:], copy.qvel[:], copy.mocap_pos[:], copy.mocap_quat[:] = data.qpos, data.qvel, data.mocap_pos, data.mocap_quat
-        copy.ctrl[:], copy.act[:], copy.time = data.ctrl, data.act, data.time
+        copy.qpos[:], copy.qvel[:], copy.ctrl[:], copy.act[:] = data.qpos, data.qvel, data.ctrl, data.act
+        copy.mocap_pos[:], copy.mocap_quat[:], copy.time = data.mocap_pos, data.mocap_quat, data.time
         if vertex is not None:
             copy.xfrc_applied[model.flex_vertbodyid[vertex], 2] = push
         mujoco.mj_step(model, copy)
@@ -108,8 +109,8 @@ def _shape_of(model: Any, geom: int) -> Tuple[Floats, npt.NDArray[Any]]:
 class Touch:
     """A tool of MuJoCo's, felt by dynpoint.
 
-    tool       the body that carries it; its capsules and spheres are the tool. A mocap body is moved by you, any other one by
-               MuJoCo with what the tool feels
+    tool       the body that carries it; its capsules and spheres are the tool. A mocap body is moved by you, any other
+               one by MuJoCo with what the tool feels
     flexes     names of soft bodies, of dimension 2 or 3
     geoms      names of meshes and boxes, felt as rigid; their bodies get what the tool does to them
     ticks      of dynpoint in a step of MuJoCo's
@@ -173,14 +174,15 @@ class Touch:
         self._applied[body, 3:] += torque + np.cross(point - self.data.xipos[body], force)
 
     def step(self) -> None:
-        """One step of MuJoCo's, with the mean of what the tool did since the last one; then dynpoint's ticks. What you apply in
-        data.xfrc_applied stays there."""
+        """One step of MuJoCo's, with the mean of what the tool did since the last one; then dynpoint's ticks. What you
+        apply in data.xfrc_applied stays there."""
         model, data = self.model, self.data
         self._applied[:] = 0
         for flex in self.flexes:
             forces = flex.take()
+            places = data.flexvert_xpos[flex.rows]
             for vertex in np.flatnonzero(forces.any(1)):  # one that is pinned to a body loads that
-                self._apply(int(flex.vertex_bodies[vertex]), forces[vertex], np.zeros(3), data.flexvert_xpos[flex.rows][vertex])
+                self._apply(int(flex.vertex_bodies[vertex]), forces[vertex], np.zeros(3), places[vertex])
         for geom, wrench in zip(self.geoms, self.body_wrenches):
             self._apply(int(model.geom_bodyid[geom]), wrench[:3], wrench[3:], data.geom_xpos[geom])
         if model.body_mocapid[self.tool_body] < 0:

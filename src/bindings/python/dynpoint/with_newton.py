@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Newton's physics, dynpoint's contact. Particles and bodies move in Newton, on any device of Warp's; what the tool touches and
-feels comes from dynpoint; the loads go into the state of Newton's next step. docs/physics.md.
+"""Newton's physics, dynpoint's contact. Particles and bodies move in Newton, on any device of Warp's; what the tool
+touches and feels comes from dynpoint; the loads go into the state of Newton's next step. docs/physics.md.
 
     touch = Touch(model, state_0, segments=make_segments(a, b, radius), dt=0.005, ticks=5, compliance=compliance)
     for each step:
@@ -31,8 +31,8 @@ def _pose(transform: Any) -> Floats:
 
 def measure_compliance(model: Any, solver: Any, state: Any, dt: float, particles: Sequence[int], *, push: float = 0.05,
                        control: Any = None, contacts: Any = None) -> float:
-    """How far a newton that acts on a particle in one step has moved it by the end of the step, m/N: some particles are pushed,
-    in states of their own, and the median is told."""
+    """How far a newton that acts on a particle in one step has moved it by the end of the step, m/N: some particles are
+    pushed, in states of their own, and the median is told."""
     before, after = model.state(), model.state()
     before.assign(state)
 
@@ -65,19 +65,22 @@ class Touch:
     """
 
     def __init__(self, model: Any, state: Any, *, segments: Records, dt: float, ticks: int = 1, triangles: Any = None,
-                 compliance: float = 0.0, load_radius: float = 0.0, bodies: Sequence[Tuple[int, Mesh]] = (), max_points: int = 16,
-                 world: Optional[Dict[str, Any]] = None, tool_settings: Optional[Dict[str, Any]] = None, **settings: Any) -> None:
+                 compliance: float = 0.0, load_radius: float = 0.0, bodies: Sequence[Tuple[int, Mesh]] = (),
+                 max_points: int = 16, world: Optional[Dict[str, Any]] = None,
+                 tool_settings: Optional[Dict[str, Any]] = None, **settings: Any) -> None:
         self.dt, self.ticks = dt / ticks, ticks
         self.world = World(**{"max_bodies": len(bodies) + 1, **(world or {})})
         self.tissue: Optional[Tissue] = None
         if model.particle_count:
             corners = np.asarray(model.tri_indices.numpy() if triangles is None else triangles).reshape(-1, 3)
-            self.tissue = Tissue(self.world, state.particle_q.numpy(), corners, compliance, load_radius, max_points=max_points)
+            self.tissue = Tissue(self.world, state.particle_q.numpy(), corners, compliance, load_radius,
+                                 max_points=max_points)
             self.tissue.body.set_settings(**settings)
         self.numbers = [number for number, _ in bodies]
         places = state.body_q.numpy() if bodies else ()
         self.centres: List[Floats] = [np.asarray(model.body_com.numpy()[number], np.float64) for number in self.numbers]
-        self.bodies: List[Body] = [self.world.add_body(mesh, _pose(places[number]), **settings) for number, mesh in bodies]
+        self.bodies: List[Body] = [self.world.add_body(mesh, _unit(_pose(places[number])), **settings)
+                                   for number, mesh in bodies]
         self.tool = self.world.add_tool(segments, **(tool_settings or {}))
         self.wrench: Floats = np.zeros(6)
         self.mean_wrench: Floats = np.zeros(6)
