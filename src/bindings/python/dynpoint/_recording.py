@@ -5,13 +5,24 @@ from __future__ import annotations
 import warnings
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
 from . import _dynpoint
 from ._mesh import PathLike
 from ._structs import RECORD, Records
+
+
+def read_ticks(content: bytes, at: int) -> Tuple[Records, int, str]:
+    """Structs of RECORD from byte `at` on; where they end, and "" or what is wrong there."""
+    parts: List[Records] = []
+    while True:
+        part: Records = np.zeros(4096, RECORD)
+        count, at, fault = _dynpoint.read_records(content, at, part)
+        if count == 0:
+            return np.concatenate(parts) if parts else part[:0], at, fault
+        parts.append(part[:count])
 
 
 class Recording:
@@ -24,16 +35,9 @@ class Recording:
         self.path = Path(path)
         content = self.path.read_bytes()
         self.text, self.rate, self.began_ns, _, at = _dynpoint.read_header(content)
-        parts = []
-        while True:
-            part = np.zeros(4096, RECORD)
-            count, at, fault = _dynpoint.read_records(content, at, part)
-            if count == 0:
-                break
-            parts.append(part[:count])
+        self.records, at, fault = read_ticks(content, at)
         if fault:
-            warnings.warn(f"{self.path}: byte {at}: {fault}; {sum(map(len, parts))} records before it are read", stacklevel=2)
-        self.records: Records = np.concatenate(parts) if parts else np.zeros(0, RECORD)
+            warnings.warn(f"{self.path}: byte {at}: {fault}; {len(self.records)} records before it are read", stacklevel=2)
 
     @property
     def scene(self) -> Dict[str, str]:

@@ -22,6 +22,7 @@ import numpy.typing as npt
 
 from . import _dynpoint
 from ._mesh import PathLike
+from ._recording import read_ticks
 from ._structs import RECORD, Records
 
 CONTRACT = 1
@@ -106,14 +107,8 @@ def from_arrays(header: bytes, arrays: Dict[str, npt.NDArray[Any]], pieces: byte
 def load(path: PathLike) -> Take:
     """A .dpr file. One that is cut or damaged is read up to there, with a warning."""
     content = Path(path).read_bytes()
-    start = at = _dynpoint.read_header(content)[4]
-    parts: List[Records] = []
-    while True:
-        part: Records = np.zeros(4096, RECORD)
-        count, at, fault = _dynpoint.read_records(content, at, part)
-        if count == 0:
-            break
-        parts.append(part[:count])
+    start = _dynpoint.read_header(content)[4]
+    records, at, fault = read_ticks(content, start)
     if fault:
         warnings.warn(f"{os.fspath(path)}: byte {at}: {fault}; what is before it is read", stacklevel=2)
     pieces, place = [], start
@@ -122,7 +117,6 @@ def load(path: PathLike) -> Take:
         if kind != 1:
             pieces.append(content[place:place + length])
         place += length
-    records: Records = np.concatenate(parts) if parts else np.zeros(0, RECORD)
     records["size"] = 0
     return Take(content[:start], records, b"".join(pieces))
 
