@@ -239,6 +239,26 @@ class Batch(unittest.TestCase):
         gc.collect()
         self.assertFalse([thing for thing in gc.get_objects() if isinstance(thing, dp.batch.World)])
 
+    def test_steps_and_refused_steps_keep_no_memory(self):
+        world = dp.batch.World(4, threads=2, read=dp.batch.READ, max_contacts=4)
+        body, tool = world.add_deformable(self.liver), world.add_tool([0, 0, 0], [0, 0.1, 0], 0.01)
+        call, first = dp._dynpoint.step_batch, (world.worlds, DT, 2, 16)
+        few = (*body.rows[:4], (None,) * 3, *body.rows[5:])
+        refused = [(TypeError, (*first, (tool.rows,), ((body.ids,),), world.results)),
+                   (TypeError, (*first, (), (few,), world.results)),
+                   (RuntimeError, (world.worlds[:1] * 2, DT, 2, 16, (), (), np.zeros(2, np.int32)))]
+
+        def some(times):
+            for _ in range(times):
+                world.step(DT)
+                for error, arguments in refused:
+                    self.assertRaises(error, call, *arguments)
+            gc.collect()
+            return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * 4096
+
+        before = some(200)
+        self.assertLess(some(1500) - before, 400000)
+
     def test_doctests(self):
         self.assertEqual(doctest.testmod(dp.batch).failed, 0)
 
