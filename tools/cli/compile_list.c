@@ -194,7 +194,8 @@ static int ends_in_dpa(const char *path)
 /* Returns 0, or 2 after a message. */
 static int read_manifest(struct list *list, const char *path)
 {
-    size_t size, line = 0, lines = 1;
+    size_t size, lines = 1;
+    uint64_t line = 0;
     list->text = load_file("compile", path, &size);
     if (!list->text)
         return 2;
@@ -215,12 +216,12 @@ static int read_manifest(struct list *list, const char *path)
         char *tab = strchr(at, '\t');
         if (*at && *at != '#') {
             if (!tab || tab == at || !tab[1] || strchr(tab + 1, '\t'))
-                return complain("compile", "%s:%zu: a line is IN, a tab, OUT", path, line);
+                return complain("compile", "%s:%" PRIu64 ": a line is IN, a tab, OUT", path, line);
             *tab = 0;
             if (!ends_in_dpa(tab + 1))
-                return complain("compile", "%s:%zu: '%s' does not end in .dpa", path, line, tab + 1);
+                return complain("compile", "%s:%" PRIu64 ": '%s' does not end in .dpa", path, line, tab + 1);
             if (ends_in_dpa(at))
-                return complain("compile", "%s:%zu: '%s' is compiled already", path, line, at);
+                return complain("compile", "%s:%" PRIu64 ": '%s' is compiled already", path, line, at);
             list->jobs[list->count] = (struct job){ .in = at, .out = tab + 1 };
             list->sorted[list->count] = &list->jobs[list->count];
             list->count++;
