@@ -178,6 +178,19 @@ DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, u
 DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, double *kinetic);
 
 /*
+ * For springs that are stepped apart from a world, by steps of dt: how far a newton that acts on a vertex in such a step has
+ * moved it by the end, m/N, while all other nodes stand still. It is what dpt_deformable_def.compliances asks for
+ * (docs/algorithms/deform.md, "Physics that tells how far it gives way").
+ *
+ *   count        of the mesh's vertices
+ *   compliances  a number a vertex, at most DPT_COMPLIANCE_MAX; 0: it is fixed
+ *
+ * DPT_E_ARGUMENT: another count, or dt is out of the range of dpt_springs_step.
+ */
+DPT_API dpt_result dpt_springs_get_compliances(const dpt_springs *springs, double dt, uint32_t count,
+                                               float *compliances);
+
+/*
  * After a step of the world: springs go on by dt, and the body's vertices are where the nodes have carried them in the next
  * step. Only those are moved that follow nodes which are awake. docs/algorithms/tissue.md.
  *

@@ -12,6 +12,9 @@
 /* Of the comparisons of loads and motions, that much is left after an answer. */
 #define ANSWERS_KEPT 0.9
 
+/* Of the loads: answers to a smaller change say nothing, as of physics that has fallen asleep. */
+#define CHANGE_MIN 0.01
+
 /* The body may give way so many times as far as it says. */
 #define STRETCH_MIN 1e-3
 #define STRETCH_MAX 1e3
@@ -115,8 +118,19 @@ double dpti_yield_compliance(const struct local_yield *yield, uint32_t vertex)
  */
 static void find_stretch(struct local_yield *yield, const float *target)
 {
-    double *sums = yield->answers;
+    double *sums = yield->answers, all = 0.0, change = 0.0;
+    const double stretch = yield->stretch;
     yield->stretch = 1.0;
+    for (uint32_t i = 0; i < yield->count; i++) {
+        const struct yielding_vertex *of = &yield->list[i];
+        const vec3 grown = sub(of->answered, of->bound);
+        all += dpti_yield_compliance(yield, of->vertex) * dot(of->answered, of->answered);
+        change += dpti_yield_compliance(yield, of->vertex) * dot(grown, grown);
+    }
+    if (change < CHANGE_MIN * CHANGE_MIN * all) {
+        yield->stretch = stretch;
+        return;
+    }
     for (int k = 0; k < 3; k++)
         sums[k] *= ANSWERS_KEPT;
     for (uint32_t i = 0; i < yield->count; i++) {

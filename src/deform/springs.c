@@ -356,3 +356,33 @@ dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, d
     *kinetic = dpti_springs_kinetic(springs);
     return DPT_OK;
 }
+
+/* Of a node by itself: what holds it are its mass, with drag, and its springs, with their viscosity. */
+static double compliance_of(const struct dpt_springs *springs, uint32_t node, double dt)
+{
+    const struct spring_net *net = &springs->net;
+    const uint32_t slice = node / LANES, lane = node % LANES;
+    const double mass = (double)net->mass[node];
+    double stiffness = 0.0;
+    for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++)
+        stiffness += (double)springs->bound.stiffness[LANES * (size_t)entry + lane];
+    return mass > 0.0 ? 1.0 / (mass * (1.0 + dt * (double)net->drag[node]) / (dt * dt) +
+                               (1.0 + springs->lead / dt) * springs->def.stiffness * stiffness)
+                      : 0.0;
+}
+
+dpt_result dpt_springs_get_compliances(const dpt_springs *springs, double dt, uint32_t count, float *compliances)
+{
+    if (!springs || !compliances || count != springs->def.mesh->vertices)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(dpti_springs_check_step(dt, NULL));
+    const struct spring_vertices *vertices = &springs->vertices;
+    for (uint32_t v = 0; v < count; v++) {
+        double sum = vertices->nodes ? 0.0 : compliance_of(springs, v, dt);
+        for (size_t i = 4 * (size_t)v; vertices->nodes && i < 4 * (size_t)v + 4; i++)
+            sum += (double)vertices->weights[i] * (double)vertices->weights[i] *
+                   compliance_of(springs, vertices->nodes[i], dt);
+        compliances[v] = (float)min_of(sum, DPT_COMPLIANCE_MAX);
+    }
+    return DPT_OK;
+}

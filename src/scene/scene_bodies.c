@@ -188,7 +188,9 @@ void scene_bodies_leave(struct scene_bodies *bodies)
         struct scene_body *body = &bodies->body[i];
         free(body->block);
         free(body->springs_block);
+        free(body->compliances);
         body->block = body->springs_block = NULL;
+        body->compliances = NULL;
         body->block_bytes = body->springs_bytes = 0;
         body->springs = NULL;
         body->id = 0;
@@ -274,6 +276,23 @@ static double room_of(const struct scene_body *body)
     return body->room > 0.0 ? body->room : fmax(SCENE_ROOM, ROOM_SHARE * diagonal_of(&info));
 }
 
+/* What its springs tell of how far vertices give way in a step of physics that is apart: the proxy is solved for with that. */
+static dpt_result find_compliances(struct scene_body *body, const struct force_options *options,
+                                   dpt_deformable_def *deform)
+{
+    uint32_t count;
+    const float *vertices;
+    if (!(body->apart > 0.0) || options->law != DPT_LAW_PROXY)
+        return DPT_OK;
+    dpt_mesh_get_vertices(body->mesh, &vertices, &count);
+    body->compliances = calloc(count, sizeof *body->compliances);
+    if (!body->compliances)
+        return DPT_E_MEMORY;
+    deform->compliance = DPT_COMPLIANCE_MAX;
+    deform->compliances = body->compliances;
+    return dpt_springs_get_compliances(body->springs, body->apart, count, body->compliances);
+}
+
 static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world,
                            const struct force_options *options)
 {
@@ -304,15 +323,16 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
         row_of(body->pose.orientation, 1, row);
         springs.gravity[k] = -bodies->gravity * row[k];
     }
-    body->block_bytes = dpt_deformable_bytes(&deform);
     body->springs_bytes = dpt_springs_bytes(&springs);
-    body->block = malloc(body->block_bytes);
     body->springs_block = malloc(body->springs_bytes);
-    if (!body->block || !body->springs_block)
+    if (!body->springs_block)
         return DPT_E_MEMORY;
-    const dpt_result result = dpt_body_add_deformable(world, body->block, body->block_bytes, &deform, &body->id);
-    return result == DPT_OK ? dpt_springs_create(body->springs_block, body->springs_bytes, &springs, &body->springs)
-                            : result;
+    DPT_TRY(dpt_springs_create(body->springs_block, body->springs_bytes, &springs, &body->springs));
+    DPT_TRY(find_compliances(body, options, &deform));
+    body->block_bytes = dpt_deformable_bytes(&deform);
+    body->block = malloc(body->block_bytes);
+    return body->block ? dpt_body_add_deformable(world, body->block, body->block_bytes, &deform, &body->id)
+                       : DPT_E_MEMORY;
 }
 
 int scene_bodies_displace(const struct scene_bodies *bodies)

@@ -21,6 +21,7 @@ struct scene_body {
     /* As in listed_body. */
     uint32_t integrator, iterations, response;
     double sleep_speed, load_radius, spread, period, room;
+    double apart;               /* s: a step of its physics, which is apart from the loop's; 0: it is not */
     int is_rigid;               /* springs of the mesh are not used */
     dpt_body_settings settings; /* its size is 0: those of new bodies */
     const char *name;           /* of its shape, or NULL */
@@ -30,6 +31,7 @@ struct scene_body {
     /* Of one that gives way, in a world; else NULL. */
     dpt_springs *springs;
     void *block, *springs_block;
+    float *compliances; /* of its vertices, where physics is apart and a proxy is solved for with it; else NULL */
     size_t block_bytes, springs_bytes;
     dpt_body id;
     /* Ticks in which it was held where it was (springs.h), the first and the last of them, and why it was at first. */

@@ -3,12 +3,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "platform/clock.h"
 #include "platform/thread.h"
 
-/* For each point at which a tool pushes (body.h); and of each vertex, embedded in nodes. */
-enum { VERTICES_OF_POINT = 256, NODES_OF_VERTEX = 4 };
+/* Loads that a body may have at a time: for each point at which a tool pushes (body.h), and at least. */
+enum { VERTICES_OF_POINT = 256, LOADS_MIN = 2048, NODES_OF_VERTEX = 4 };
 
 static dpt_result open_nodes(struct soft_exchange *exchange, const dpt_mesh *mesh)
 {
@@ -24,21 +25,26 @@ static dpt_result open_nodes(struct soft_exchange *exchange, const dpt_mesh *mes
         return DPT_OK;
     }
     exchange->nodes = calloc(3 * (size_t)exchange->node_count, sizeof *exchange->nodes);
-    return exchange->nodes ? DPT_OK : DPT_E_MEMORY;
+    exchange->node_loads = calloc(NODES_OF_VERTEX * (size_t)exchange->loads_room, sizeof *exchange->node_loads);
+    return exchange->nodes && exchange->node_loads ? DPT_OK : DPT_E_MEMORY;
 }
 
-dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points)
+dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points,
+                              int has_compliance)
 {
-    dpt_result result = open_nodes(exchange, mesh);
+    exchange->has_compliance = has_compliance;
     exchange->loads_room = VERTICES_OF_POINT * max_points;
-    if (exchange->embedding)
-        exchange->loads_room *= NODES_OF_VERTEX;
-    dpt_latest_init(&exchange->latest_vertices);
+    if (exchange->loads_room < LOADS_MIN)
+        exchange->loads_room = LOADS_MIN;
+    dpt_result result = open_nodes(exchange, mesh);
+    dpt_latest_init(&exchange->latest_answer);
     dpt_latest_init(&exchange->latest_loads);
     for (int i = 0; result == DPT_OK && i < DPT_LATEST_PLACES; i++) {
-        exchange->vertices[i] = calloc(3 * (size_t)exchange->vertex_count, sizeof(float));
+        struct soft_answer *answer = &exchange->answers[i];
+        answer->vertices = calloc(3 * (size_t)exchange->vertex_count, sizeof(float));
+        answer->loads.load = calloc(exchange->loads_room, sizeof(dpt_load));
         exchange->loads[i].load = calloc(exchange->loads_room, sizeof(dpt_load));
-        if (!exchange->vertices[i] || !exchange->loads[i].load)
+        if (!answer->vertices || !answer->loads.load || !exchange->loads[i].load)
             result = DPT_E_MEMORY;
     }
     return result;
@@ -47,28 +53,38 @@ dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *me
 void soft_exchange_close(struct soft_exchange *exchange)
 {
     for (int i = 0; i < DPT_LATEST_PLACES; i++) {
-        free(exchange->vertices[i]);
+        free(exchange->answers[i].vertices);
+        free(exchange->answers[i].loads.load);
         free(exchange->loads[i].load);
     }
     free(exchange->nodes);
+    free(exchange->node_loads);
     *exchange = (struct soft_exchange){ .nodes = NULL };
 }
 
-dpt_result soft_exchange_take_vertices(struct soft_exchange *exchange, dpt_world *world, dpt_body body, int *is_new)
+dpt_result soft_exchange_take_answer(struct soft_exchange *exchange, dpt_world *world, dpt_body body, int *is_new)
 {
-    *is_new = dpt_latest_take(&exchange->latest_vertices);
-    if (!*is_new)
+    *is_new = 0;
+    if (!dpt_latest_take(&exchange->latest_answer))
         return DPT_OK;
-    return dpt_body_set_vertices(world, body, 0, exchange->vertex_count,
-                                 exchange->vertices[exchange->latest_vertices.reading], -1.0);
+    const struct soft_answer *answer = &exchange->answers[exchange->latest_answer.reading];
+    const dpt_result result = exchange->has_compliance
+                                  ? dpt_body_set_answered_loads(world, body, answer->loads.load, answer->loads.count)
+                                  : DPT_OK;
+    *is_new = answer->has_moved;
+    if (result != DPT_OK || !answer->has_moved)
+        return result;
+    return dpt_body_set_vertices(world, body, 0, exchange->vertex_count, answer->vertices, -1.0);
 }
 
 dpt_result soft_exchange_give_loads(struct soft_exchange *exchange, const dpt_world *world, dpt_body body)
 {
     struct soft_loads *loads = &exchange->loads[exchange->latest_loads.writing];
+    double seconds;
     const dpt_result result =
-        exchange->embedding ? dpt_body_get_node_loads(world, body, loads->load, exchange->loads_room, &loads->count)
-                            : dpt_body_get_loads(world, body, loads->load, exchange->loads_room, &loads->count);
+        exchange->has_compliance
+            ? dpt_body_get_mean_loads(world, body, loads->load, exchange->loads_room, &loads->count, &seconds)
+            : dpt_body_get_loads(world, body, loads->load, exchange->loads_room, &loads->count);
     if (result == DPT_OK)
         dpt_latest_publish(&exchange->latest_loads);
     return result;
@@ -89,21 +105,51 @@ static void place_vertices(const struct soft_exchange *exchange, float *to)
     }
 }
 
+/* And their loads are their nodes'. */
+static const dpt_load *loads_of_nodes(const struct soft_exchange *exchange, const struct soft_loads *loads,
+                                      uint32_t *count)
+{
+    *count = loads->count;
+    if (!exchange->embedding)
+        return loads->load;
+    for (size_t i = 0; i < NODES_OF_VERTEX * (size_t)loads->count; i++) {
+        const dpt_load *from = &loads->load[i / NODES_OF_VERTEX];
+        const size_t at = NODES_OF_VERTEX * (size_t)from->vertex + i % NODES_OF_VERTEX;
+        exchange->node_loads[i] = (dpt_load){ .vertex = exchange->embedding[at] };
+        for (int k = 0; k < 3; k++)
+            exchange->node_loads[i].force[k] = (double)exchange->weights[at] * from->force[k];
+    }
+    *count *= NODES_OF_VERTEX;
+    return exchange->node_loads;
+}
+
+static void copy_loads(struct soft_loads *to, const struct soft_loads *from)
+{
+    to->count = from->count;
+    memcpy(to->load, from->load, from->count * sizeof *from->load);
+}
+
 dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *springs, double dt, dpt_springs_info *report)
 {
     dpt_latest_take(&exchange->latest_loads);
     const struct soft_loads *loads = &exchange->loads[exchange->latest_loads.reading];
-    float *vertices = exchange->vertices[exchange->latest_vertices.writing];
-    dpt_result result = dpt_springs_step(springs, dt, loads->load, loads->count, report);
-    if (result != DPT_OK || !report->active)
-        return result;
-    result =
-        dpt_springs_get_nodes(springs, exchange->node_count, exchange->embedding ? exchange->nodes : vertices, NULL);
+    struct soft_answer *answer = &exchange->answers[exchange->latest_answer.writing];
+    uint32_t count;
+    const dpt_load *on_nodes = loads_of_nodes(exchange, loads, &count);
+    dpt_result result = dpt_springs_step(springs, dt, on_nodes, count, report);
     if (result != DPT_OK)
         return result;
-    if (exchange->embedding)
-        place_vertices(exchange, vertices);
-    dpt_latest_publish(&exchange->latest_vertices);
+    copy_loads(&answer->loads, loads);
+    answer->has_moved = report->active > 0;
+    if (answer->has_moved)
+        result = dpt_springs_get_nodes(springs, exchange->node_count,
+                                       exchange->embedding ? exchange->nodes : answer->vertices, NULL);
+    if (result != DPT_OK)
+        return result;
+    if (exchange->embedding && answer->has_moved)
+        place_vertices(exchange, answer->vertices);
+    if (answer->has_moved || exchange->has_compliance)
+        dpt_latest_publish(&exchange->latest_answer);
     return DPT_OK;
 }
 
@@ -153,7 +199,8 @@ dpt_result scene_physics_choose(struct scene_bodies *bodies, const char *path, c
                                "%s: %s: bodies[%u] is displaced by the tool, which is part of "
                                "each tick: its springs cannot be stepped apart",
                                path, name, (unsigned)i);
-        body->period = fmax(body->period, 1.0 / rate);
+        body->apart = 1.0 / rate;
+        body->period = fmax(body->period, body->apart);
     }
     return is_soft ? DPT_OK : host_refuse(error, DPT_E_ARGUMENT, "%s: %s: none of its bodies gives way", path, name);
 }
@@ -182,7 +229,8 @@ dpt_result scene_physics_open(struct scene_physics **made, struct scene_bodies *
     dpt_deformable_def_init(&def);
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++)
         if (bodies->body[i].springs)
-            result = soft_exchange_open(&physics->exchange[i], bodies->body[i].mesh, def.max_points);
+            result = soft_exchange_open(&physics->exchange[i], bodies->body[i].mesh, def.max_points,
+                                        bodies->body[i].compliances != NULL);
     return result;
 }
 
@@ -224,7 +272,7 @@ void scene_physics_begin_tick(struct scene_physics *physics, dpt_world *world)
             continue;
         dpt_result result = __atomic_load_n(&physics->results[i], __ATOMIC_RELAXED);
         if (result == DPT_OK)
-            result = soft_exchange_take_vertices(&physics->exchange[i], world, body->id, &is_new);
+            result = soft_exchange_take_answer(&physics->exchange[i], world, body->id, &is_new);
         if (result != DPT_OK)
             scene_bodies_hold(physics->bodies, i, result);
         else if (is_new)
@@ -245,8 +293,29 @@ static dpt_result step_by_ticks(struct scene_physics *physics, double dt)
     return DPT_OK;
 }
 
+/* Between two steps of physics tools and bodies are solved together, all in one call. */
+static void give_way(struct scene_bodies *bodies, dpt_world *world, double dt)
+{
+    dpt_body ids[DPT_ARM_BODIES_MAX] = { 0 };
+    dpt_springs *none[DPT_ARM_BODIES_MAX] = { NULL };
+    dpt_springs_info reports[DPT_ARM_BODIES_MAX];
+    uint32_t index[DPT_ARM_BODIES_MAX], count = 0;
+    for (uint32_t i = 0; i < bodies->count; i++) {
+        if (!bodies->body[i].compliances)
+            continue;
+        ids[count] = bodies->body[i].id;
+        reports[count] = (dpt_springs_info){ .size = sizeof *reports };
+        index[count++] = i;
+    }
+    dpt_bodies_step_springs(world, ids, none, count, dt, reports);
+    for (uint32_t i = 0; i < count; i++)
+        if (reports[i].result != DPT_OK)
+            scene_bodies_hold(bodies, index[i], reports[i].result);
+}
+
 dpt_result scene_physics_end_tick(struct scene_physics *physics, dpt_world *world, double dt)
 {
+    give_way(physics->bodies, world, dt);
     for (uint32_t i = 0; i < physics->bodies->count; i++) {
         const struct scene_body *body = &physics->bodies->body[i];
         const dpt_result result =

@@ -19,48 +19,60 @@
 #include "scene/scene_bodies.h"
 
 /*
- * Between the haptic loop and the physics of a soft body: vertices one way, loads on the nodes the other way. Neither
+ * Between the haptic loop and the physics of a soft body: vertices one way, loads on them the other way. Neither
  * side waits for the other, and the newest value counts (exchange.h).
  *
- *     haptic loop, before a step of the world:   soft_exchange_take_vertices(exchange, world, body, &is_new);
+ *     haptic loop, before a step of the world:   soft_exchange_take_answer(exchange, world, body, &is_new);
  *                  after it:                     soft_exchange_give_loads(exchange, world, body);
  *     physics:                                   soft_exchange_step(exchange, springs, dt, &report);
  */
 
-/* The loads of one step of the world. */
+/* Of a body with a compliance the means of loads on vertices since the last answer; else those of the last tick. */
 struct soft_loads {
     dpt_load *load;
     uint32_t count;
 };
 
+/* Where vertices are after a step of physics, and the loads of that step. */
+struct soft_answer {
+    float *vertices; /* 3 numbers each, in the body's frame; if has_moved */
+    struct soft_loads loads;
+    int has_moved; /* 0: all of it sleeps */
+};
+
 /* Begin with zeros. */
 struct soft_exchange {
-    dpt_latest latest_vertices, latest_loads;
-    float *vertices[DPT_LATEST_PLACES]; /* 3 numbers a vertex, in the body's frame */
+    dpt_latest latest_answer, latest_loads;
+    struct soft_answer answers[DPT_LATEST_PLACES];
     struct soft_loads loads[DPT_LATEST_PLACES];
     uint32_t vertex_count, node_count, loads_room;
+    int has_compliance; /* 1: the body has */
     /* The vertices are embedded in nodes: four for each vertex. NULL: they are the nodes. */
     const uint32_t *embedding;
     const float *weights;
-    float *nodes; /* of physics, if there is an embedding */
+    /* Of physics, if there is an embedding. */
+    float *nodes;
+    dpt_load *node_loads;
 };
 
 /*
  * Of a mesh with springs, which stays open. DPT_E_MEMORY: memory ran out. Close it also after a failure.
- *   max_points   of the body's dpt_deformable_def
+ *   max_points       of the body's dpt_deformable_def
+ *   has_compliance   1: its compliance is above 0
  */
-dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points);
+dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points,
+                              int has_compliance);
 void soft_exchange_close(struct soft_exchange *exchange);
 
-/* If physics has new vertices, the body's are bound for there. *is_new says whether it had. */
-dpt_result soft_exchange_take_vertices(struct soft_exchange *exchange, dpt_world *world, dpt_body body, int *is_new);
+/* If physics has an answer, the body is told. *is_new says whether its vertices are bound for somewhere else then. */
+dpt_result soft_exchange_take_answer(struct soft_exchange *exchange, dpt_world *world, dpt_body body, int *is_new);
 
-/* What tools do to the body since the last step of the world. */
+/* What tools do to the body. */
 dpt_result soft_exchange_give_loads(struct soft_exchange *exchange, const dpt_world *world, dpt_body body);
 
 /*
- * Physics goes on by dt, s, under the newest loads. Vertices are handed over if any node is awake. The report's size is
- * set by the caller.
+ * Physics goes on by dt, s, under the newest loads. Vertices are handed over if any node is awake; a body with a compliance
+ * is told that its loads are answered in any case. The report's size is set by the caller.
  */
 dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *springs, double dt,
                               dpt_springs_info *report);

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# run --physics: tissue is as stiff as with springs in each tick, runs and replays give the same bits, a thread that is too
+# run --physics: tissue is as stiff as with springs in each tick, a still hand feels no hum, runs and replays give the same bits, a thread that is too
 # slow does not delay the loop, and what cannot be stepped apart is refused. `sh tests/tools/cli_physics.sh BUILD [part]`.
 . "$(dirname "$0")/cli.sh"
 
@@ -64,6 +64,49 @@ felt()
     check 'the rate is in the recording' grep -qx '  physics=500' stdout
     succeeds 'in words' run membrane --device 'sim:?hand=press' --ticks 600 --physics 500
     check "a line: $(cat stdout)" grep -qx "  physics 500 Hz, 300 steps, 0 late, by the device's own time" stdout
+}
+
+# hum FILE: of the force under a still hand, after tick 1300, in mN: the rms about a line in windows of 51 ticks, the largest
+# of these, and a two-hundredth of the force or 1 mN
+hum()
+{
+    "$program" record csv "$1" -o - | awk -F, '
+        NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        $at["number"] < 1300 { next }
+        { f[n++] = sqrt($at["asked_fx"] ^ 2 + $at["asked_fy"] ^ 2 + $at["asked_fz"] ^ 2); sum += f[n - 1] }
+        n == 51 {
+            mean = slope = square = 0
+            for (i = 0; i < n; i++) mean += f[i] / n
+            for (i = 0; i < n; i++) slope += (i - 25) * f[i] / 11050
+            for (i = 0; i < n; i++) square += (f[i] - mean - slope * (i - 25)) ^ 2 / n
+            if (sqrt(square) > most) most = sqrt(square)
+            count += n; n = 0
+        }
+        END { limit = 5 * sum / count; print 1000 * most, (limit > 1 ? limit : 1), 1000 * sum / count }'
+}
+
+# silent SCENE RATE...: the hand at rest, with the compliance of the springs
+silent()
+{
+    scene=$1
+    shift
+    for rate; do
+        succeeds "$scene at $rate Hz" run "$scene" --device 'sim:?hand=hand.csv' --stiffness 600 --ticks 2000 \
+            --physics "$rate" --record hum.dpr
+        hum hum.dpr >hum.txt
+        check "$scene at $rate Hz: hum, what is allowed, force in mN: $(cat hum.txt)" \
+            awk '{ is_silent = $1 <= $2 && $3 > 50 } END { exit !is_silent }' hum.txt
+    done
+}
+
+still()
+{
+    hand
+    silent laparoscopy 1000 500
+    [ "$is_part" ] || silent soft-liver 1000 100
+    if "$program" run no.json --device sim 2>&1 | grep -q 'this build reads no scene files'; then return; fi
+    sed 's/"integrator": "symplectic"/"integrator": "implicit"/' "$tests/../docs/samples/scene.json" >implicit.json
+    silent implicit.json 100 25
 }
 
 # The page of a recording has vertices for as long as they move: more for a hand that goes on than for one that is away.
@@ -135,6 +178,7 @@ refusals()
 }
 
 [ "$is_part" ] || felt
+still
 pages
 threads
 refusals

@@ -212,6 +212,72 @@ static void without_an_answer_it_shakes(void)
     CHECK(result.hum.rms > 0.05 * result.hum.mean, "%g N of %g", result.hum.rms, result.hum.mean);
 }
 
+/* A sheet of four squares, of which the middle vertex alone is free, by one step of IMPLICIT: nothing else holds it. */
+static void springs_tell_theirs(void)
+{
+    double vertices[27];
+    uint32_t corners[24], count = 0, middle = 0;
+    const float *places;
+    dpt_load load = { .force = { 1e-4, 0.0, 0.0 } };
+    float told[9], now[27];
+    struct fixture sheet;
+    dpt_springs_def def;
+    dpt_springs *springs;
+    const dpt_spring_region border[] = {
+        { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -0.1, -0.1, -0.1, 0.005, 0.1, 0.1 } },
+        { .kind = DPT_REGION_BOX, .fixed = 1, .box = { 0.015, -0.1, -0.1, 0.1, 0.1, 0.1 } },
+        { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -0.1, -0.1, -0.1, 0.1, 0.005, 0.1 } },
+        { .kind = DPT_REGION_BOX, .fixed = 1, .box = { -0.1, 0.015, -0.1, 0.1, 0.1, 0.1 } },
+    };
+    const dpt_spring_net_def net = { .size = sizeof net,
+                                     .kind = DPT_NET_SHEET,
+                                     .young = 1e4,
+                                     .thickness = 1e-3,
+                                     .density = 1000.0,
+                                     .drag = 20.0,
+                                     .viscosity = 2e-3,
+                                     .regions = border,
+                                     .region_count = 4 };
+    for (uint32_t i = 0; i < 9; i++) {
+        vertices[3 * i] = 0.01 * (i % 3);
+        vertices[3 * i + 1] = 0.01 * (i / 3);
+        vertices[3 * i + 2] = 0.0;
+    }
+    for (uint32_t i = 0; i < 4; i++) {
+        const uint32_t a = i % 2 + 3 * (i / 2), six[6] = { a, a + 1, a + 4, a, a + 4, a + 3 };
+        memcpy(corners + 6 * i, six, sizeof six);
+    }
+    if (!fixture_from_arrays_with_springs(&sheet, vertices, 9, corners, 8, &net))
+        return;
+    dpt_mesh_get_vertices(sheet.mesh, &places, &count);
+    while (middle < 8 &&
+           !(fabs((double)places[3 * middle] - 0.01) + fabs((double)places[3 * middle + 1] - 0.01) < 1e-6))
+        middle++;
+    dpt_springs_def_init(&def);
+    def.mesh = sheet.mesh;
+    def.integrator = DPT_INTEGRATOR_IMPLICIT;
+    def.iterations = 64;
+    load.vertex = middle;
+    void *block = malloc(dpt_springs_bytes(&def));
+    for (double dt = 1e-3; dt < 0.05; dt *= 3.2) {
+        CHECK(block && dpt_springs_create(block, dpt_springs_bytes(&def), &def, &springs) == DPT_OK, "no springs");
+        CHECK(dpt_springs_get_compliances(springs, dt, 9, told) == DPT_OK, "nothing is told");
+        CHECK(dpt_springs_step(springs, dt, &load, 1, NULL) == DPT_OK, "no step");
+        dpt_springs_get_nodes(springs, 9, now, NULL);
+        const double way = ((double)now[3 * middle] - (double)places[3 * middle]) / load.force[0];
+        CHECK(fabs((double)told[middle] / way - 1.0) < 1e-3, "%g s: %g m/N, not %g", dt, (double)told[middle], way);
+        for (uint32_t i = 0; i < 9; i++)
+            CHECK(i == middle || told[i] == 0.0f, "vertex %u is fixed: %g m/N", i, (double)told[i]);
+    }
+    CHECK(dpt_springs_get_compliances(springs, 1e-3, 8, told) == DPT_E_ARGUMENT, "another count");
+    CHECK(dpt_springs_get_compliances(springs, 2.0, 9, told) == DPT_E_ARGUMENT, "too long a step");
+    CHECK(dpt_springs_get_compliances(springs, NAN, 9, told) == DPT_E_FINITE, "no number");
+    CHECK(dpt_springs_get_compliances(NULL, 1e-3, 9, told) == DPT_E_ARGUMENT, "no springs");
+    CHECK(dpt_springs_get_compliances(springs, 1e-3, 9, NULL) == DPT_E_ARGUMENT, "no room");
+    free(block);
+    fixture_free(&sheet);
+}
+
 static void what_is_refused(void)
 {
     static const double bad[] = { -1.0, NAN, 2.0 * DPT_COMPLIANCE_MAX };
@@ -269,6 +335,7 @@ int main(void)
     TEST(a_held_tool_is_silent);
     TEST(wrong_answers_are_held_too);
     TEST(without_an_answer_it_shakes);
+    TEST(springs_tell_theirs);
     TEST(what_is_refused);
     fixture_free(&membrane);
     return check_report();

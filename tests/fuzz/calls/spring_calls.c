@@ -309,6 +309,31 @@ static void get_energy(void)
         HOLDS(energy_of(pair, 0) == energy_of(pair, 1), "the twin has another energy");
 }
 
+static void get_compliances(void)
+{
+    static float compliances[2][3 * TRIANGLES_MOST];
+    const struct pair_of_springs *pair = draw_pair();
+    const uint32_t what = draw_below(5);
+    const double dt = what == 3 ? draw_odd_number() : exp(draw_in(-9.0, 0.0));
+    if (!pair || pair->subject->vertices > 3 * TRIANGLES_MOST)
+        return;
+    const uint32_t count = pair->subject->vertices + (what == 2);
+    struct codes codes = { .count = 0 };
+    may_fail(&codes, what < 3, DPT_E_ARGUMENT);
+    may_fail(&codes, !(fabs(dt) <= 1e308), DPT_E_FINITE);
+    may_fail(&codes, !(dt >= DPT_SPRINGS_STEP_MIN && dt <= DPT_SPRINGS_STEP_MAX), DPT_E_ARGUMENT);
+    const dpt_result result = RESULT(dpt_springs_get_compliances, what == 0 ? NULL : pair->made[0], dt, count,
+                                     what == 1 ? NULL : compliances[0]);
+    expect(result, &codes);
+    if (result != DPT_OK || !pair->made[1])
+        return;
+    dpt_springs_get_compliances(pair->made[1], dt, count, compliances[1]);
+    for (uint32_t i = 0; i < count; i++)
+        HOLDS(compliances[0][i] >= 0.0f && compliances[0][i] <= (float)DPT_COMPLIANCE_MAX &&
+                  compliances[0][i] == compliances[1][i],
+              "vertex %u gives way by %g m/N", i, (double)compliances[0][i]);
+}
+
 /* What a step of dt may answer: it is known of an explicit one whether it is stable. */
 static void step_codes(const struct pair_of_springs *pair, double dt, struct codes *codes)
 {
@@ -495,9 +520,10 @@ static void step_body(void)
         HOLDS(nodes_are_same(pair, &before, &after), "its springs have gone on after an error");
 }
 
-static const struct move moves[] = { { "create", create, 4 },          { "defaults", defaults, 1 },
-                                     { "get nodes", get_nodes, 2 },    { "set nodes", set_nodes, 3 },
-                                     { "get energy", get_energy, 2 },  { "step", step, 10 },
-                                     { "step a body", step_body, 10 }, { NULL, NULL, 0 } };
+static const struct move moves[] = {
+    { "create", create, 4 },       { "defaults", defaults, 1 },      { "get nodes", get_nodes, 2 },
+    { "set nodes", set_nodes, 3 }, { "get energy", get_energy, 2 },  { "get compliances", get_compliances, 2 },
+    { "step", step, 10 },          { "step a body", step_body, 10 }, { NULL, NULL, 0 }
+};
 
 const struct noun spring_noun = { "springs", NULL, end, moves };
