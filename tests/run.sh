@@ -129,6 +129,7 @@ else
     run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build
     run "races of threads" sh tests/tools/thread_races.sh build
     run_reading "include src" "MuJoCo's soft bodies" sh tests/bench/soft.sh build
+    run_reading "include src" "MuJoCo's soft bodies, felt" sh tests/bench/soft.sh build feel
     run "crossings, and a z-buffer's" sh tests/bench/crossings.sh build
     run "another C library" sh tests/platforms/musl.sh build
     if [ "$whole" = release ]; then

@@ -298,6 +298,7 @@ measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 	@sh tests/bench/needle.sh $(B)
 	@sh tests/bench/soft.sh $(B)
+	@sh tests/bench/soft.sh $(B) feel
 	@sh tests/bench/repeats.sh $(B)/bench/springs.csv $(B)/tests/bench/springs cost
 	@$(B)/tests/bench/springs map >$(B)/bench/springs_map.csv
 	@sh tests/bench/repeats.sh $(B)/bench/soft_liver.csv $(B)/tests/bench/soft_liver

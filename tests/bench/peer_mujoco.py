@@ -141,7 +141,8 @@ WorldDef = struct("dpt_world_def", (c_uint32, "size max_bodies max_tools max_seg
                   (c_double, "strip_width strip_depth"), (c_void_p, "baseline reserved_pointer"), (c_double, "onset"),
                   (c_uint32, "sweep_budget reserved"))
 DeformDef = struct("dpt_deformable_def", (c_uint32, "size max_points"), (c_void_p, "mesh pose"),
-                   (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"))
+                   (double3, "box_min box_max"), (c_double, "period load_radius"), (c_uint32, "response passes"),
+                   (c_double, "compliance"), (c_void_p, "compliances reserved_pointer"))
 
 
 def address(numbers):
@@ -149,6 +150,11 @@ def address(numbers):
 
 
 class Contact:
+    tool_shape = Segment(double3(0, 0, -HALF), double3(0, 0, HALF), RADIUS)
+
+    def define(self, world_def, body_def):
+        world_def.until = 2  # DPT_UNTIL_CONTACT
+
     def __init__(self, build, vertices, corners):
         self.core, compiler = CDLL(build + "/libdynpoint.so"), CDLL(build + "/libdynpoint_compile.so")
         core = self.core
@@ -167,15 +173,15 @@ class Contact:
         world_def, body_def, self.file = WorldDef(), DeformDef(), file
         core.dpt_world_def_defaults(byref(world_def), c_size_t(sizeof(world_def)))
         core.dpt_deformable_def_defaults(byref(body_def), c_size_t(sizeof(body_def)))
-        world_def.until, body_def.mesh = 2, mesh  # DPT_UNTIL_CONTACT
+        body_def.mesh = mesh
+        self.define(world_def, body_def)
         sizes = core.dpt_world_bytes(byref(world_def)), core.dpt_deformable_bytes(byref(body_def))
         self.blocks = [(c_double * (size // 8 + 1))() for size in sizes]
         self.world, self.body, self.tool, self.hit = c_void_p(), c_uint32(), c_uint32(), Hit(size=sizeof(Hit))
         self.must(core.dpt_world_create(self.blocks[0], c_size_t(sizes[0]), byref(world_def), byref(self.world)))
         self.must(core.dpt_body_add_deformable(self.world, self.blocks[1], c_size_t(sizes[1]), byref(body_def),
                                       byref(self.body)))
-        tool = Segment(double3(0, 0, -HALF), double3(0, 0, HALF), RADIUS)
-        self.must(core.dpt_tool_add(self.world, byref(tool), 1, byref(self.tool)))
+        self.must(core.dpt_tool_add(self.world, byref(self.tool_shape), 1, byref(self.tool)))
 
     @staticmethod
     def must(result):

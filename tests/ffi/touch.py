@@ -101,6 +101,10 @@ SpringDef = struct("dpt_spring_net_def", (c_uint32, "size kind"),
 MeshSprings = struct("dpt_mesh_springs", (c_uint32, "size nodes slices springs"), (c_double, "viscosity"),
                      (POINTER(c_float), "rest mass drag"), (POINTER(c_uint32), "first neighbours"),
                      (POINTER(c_float), "stiffness length"), (c_void_p, "reserved"))
+SpringsDef = struct("dpt_springs_def", (c_uint32, "size integrator"), (c_void_p, "mesh reserved_pointer"),
+                    (c_uint32, "max_loads reserved"), (double3, "gravity"),
+                    (c_double, "stiffness contact_stiffness sleep_speed"),
+                    (c_uint32, "sleep_steps iterations max_substeps kernel"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
                (c_char * 64, "name"))
@@ -185,6 +189,15 @@ springs = MeshSprings(size=sizeof(MeshSprings))
 check("its springs", core.dpt_mesh_get_springs(embedded, byref(springs)) == 0 and springs.nodes == 75)
 check("what is fixed, and what moves", all(
     (springs.mass[i] == 0) == (springs.rest[3 * i + 2] < 0.6) for i in range(springs.nodes)))
+springs_def, stepped, told = SpringsDef(), c_void_p(), (c_float * 8)()
+core.dpt_springs_def_defaults(byref(springs_def), c_size_t(sizeof(springs_def)))
+springs_def.mesh = embedded
+core.dpt_springs_bytes.restype = c_size_t
+need = core.dpt_springs_bytes(byref(springs_def))
+springs_block = (c_double * (need // 8 + 1))()
+check("make them go", core.dpt_springs_create(springs_block, c_size_t(need), byref(springs_def), byref(stepped)) == 0)
+check("what is above gives way", core.dpt_springs_get_compliances(stepped, c_double(0.01), c_uint32(8), told) == 0 and all(
+    (told[v] > 0) == (corners[sources[v]][2] > 0.6) for v in range(8)))
 compiler.dpt_compiled_free(byref(embedded_file))
 
 ends = (c_double * 6)(0.3, 0.2, 1.5, 0.3, 0.2, 2.5)
