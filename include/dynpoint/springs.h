@@ -178,9 +178,9 @@ DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, u
 DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, double *kinetic);
 
 /*
- * For springs that are stepped apart from a world, by steps of dt: how far a newton that acts on a vertex in such a step has
- * moved it by the end, m/N, while all other nodes stand still. It is what dpt_deformable_def.compliances asks for
- * (docs/algorithms/deform.md, "Physics that tells how far it gives way").
+ * For springs that are stepped apart from a world, by steps of dt: how far a newton that acts on a vertex in such a
+ * step has moved it by the end, m/N, while all other nodes stand still. It is what dpt_deformable_def.compliances asks
+ * for (docs/algorithms/deform.md, "Physics that tells how far it gives way").
  *
  *   count        of the mesh's vertices
  *   compliances  a number a vertex, at most DPT_COMPLIANCE_MAX; 0: it is fixed

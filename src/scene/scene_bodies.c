@@ -276,7 +276,7 @@ static double room_of(const struct scene_body *body)
     return body->room > 0.0 ? body->room : fmax(SCENE_ROOM, ROOM_SHARE * diagonal_of(&info));
 }
 
-/* What its springs tell of how far vertices give way in a step of physics that is apart: the proxy is solved for with that. */
+/* What its springs tell of how far vertices give way in a step of physics that is apart. A proxy is solved for with it. */
 static dpt_result find_compliances(struct scene_body *body, const struct force_options *options,
                                    dpt_deformable_def *deform)
 {

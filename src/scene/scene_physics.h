@@ -71,8 +71,8 @@ dpt_result soft_exchange_take_answer(struct soft_exchange *exchange, dpt_world *
 dpt_result soft_exchange_give_loads(struct soft_exchange *exchange, const dpt_world *world, dpt_body body);
 
 /*
- * Physics goes on by dt, s, under the newest loads. Vertices are handed over if any node is awake; a body with a compliance
- * is told that its loads are answered in any case. The report's size is set by the caller.
+ * Physics goes on by dt, s, under the newest loads. Vertices are handed over if any node is awake; a body with a
+ * compliance is told that its loads are answered in any case. The report's size is set by the caller.
  */
 dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *springs, double dt,
                               dpt_springs_info *report);

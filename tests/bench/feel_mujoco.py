@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A block of MuJoCo's (flex) is pressed by a ball that a still hand holds. MuJoCo steps at 30 to 1,000 Hz, dynpoint's loop
-at 1 kHz; MuJoCo tells how far a vertex gives way in one of its steps, or nothing:
+"""A block of MuJoCo's (flex) is pressed by a ball that a still hand holds. MuJoCo steps at 30 to 1,000 Hz, dynpoint's
+loop at 1 kHz; MuJoCo tells how far a vertex gives way in one of its steps, or nothing:
 
     feel_mujoco.py BUILD [FILE.csv]
 

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Contact with a soft body of MuJoCo's, where `make deps soft` put it into build/venv-soft; or, with `feel`, the force of a
-# hand that presses it. Prints a table and writes BUILD/bench/soft.csv or soft_feel.csv: `sh tests/bench/soft.sh BUILD [feel]`.
+# Contact with a soft body of MuJoCo's, where `make deps soft` put it into build/venv-soft; or, with `feel`, the force of
+# a hand that presses it. Prints a table and writes BUILD/bench/soft.csv or soft_feel.csv:
+# `sh tests/bench/soft.sh BUILD [feel]`.
 set -u
 build=$1
 venv=build/venv-soft

@@ -196,7 +196,7 @@ core.dpt_springs_bytes.restype = c_size_t
 need = core.dpt_springs_bytes(byref(springs_def))
 springs_block = (c_double * (need // 8 + 1))()
 check("make them go", core.dpt_springs_create(springs_block, c_size_t(need), byref(springs_def), byref(stepped)) == 0)
-check("what is above gives way", core.dpt_springs_get_compliances(stepped, c_double(0.01), c_uint32(8), told) == 0 and all(
+check("what is above gives way", core.dpt_springs_get_compliances(stepped, c_double(0.01), 8, told) == 0 and all(
     (told[v] > 0) == (corners[sources[v]][2] > 0.6) for v in range(8)))
 compiler.dpt_compiled_free(byref(embedded_file))
 

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# run --physics: tissue is as stiff as with springs in each tick, a still hand feels no hum, runs and replays give the same bits, a thread that is too
-# slow does not delay the loop, and what cannot be stepped apart is refused. `sh tests/tools/cli_physics.sh BUILD [part]`.
+# run --physics: tissue is as stiff as with springs in each tick, a still hand feels no hum, runs and replays give the same
+# bits, a thread that is too slow does not delay the loop, and what cannot be stepped apart is refused.
+# `sh tests/tools/cli_physics.sh BUILD [part]`.
 . "$(dirname "$0")/cli.sh"
 
 # number NAME: of the last report in JSON
@@ -66,8 +67,8 @@ felt()
     check "a line: $(cat stdout)" grep -qx "  physics 500 Hz, 300 steps, 0 late, by the device's own time" stdout
 }
 
-# hum FILE: of the force under a still hand, after tick 1300, in mN: the rms about a line in windows of 51 ticks, the largest
-# of these, and a two-hundredth of the force or 1 mN
+# hum FILE: of the force under a still hand, after tick 1300, in mN: the largest rms about a line in windows of 51 ticks;
+# a two-hundredth of the force or 1 mN; and the force
 hum()
 {
     "$program" record csv "$1" -o - | awk -F, '
