@@ -218,15 +218,18 @@ $(B)/built_with.h: force
 	@mkdir -p $(@D)
 	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
 	   echo '#define DPT_BACK_ENDS $(foreach name,$(BACK_ENDS),"$(name)",)'; \
-	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(CONVEX_PARTS),convex) $(if $(SCENE_FILE),jansson) $(if $(VIEW_SERVER),lws) $(if $(filter yes,$(VIEW_PAGE)),view_page); do \
+	   for part in $(DRIVERS) $(if $(URDF_PARTS),urdf) $(if $(CONVEX_PARTS),convex) $(if $(SCENE_FILE),jansson) $(if $(VIEW_SERVER),lws) $(if $(filter yes made,$(VIEW_PAGE)),view_page); do \
 	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 
-# The page is the same in every configuration; its policy's line goes into a header, without the line's end.
-ifeq ($(VIEW_PAGE),yes)
+# The page is the same in every configuration; its policy's line goes into a header, without the line's end. VIEW_PAGE=made:
+# it lies there already, as in a package of sources.
+ifneq ($(filter yes made,$(VIEW_PAGE)),)
 $(B)/tools/view/view_serve.o: build/view/page.html build/view/page.csp.line
 build/view/page.csp.line: build/view/page.html
 	tr -d '\n' <build/view/page.csp >$@
+endif
+ifeq ($(VIEW_PAGE),yes)
 build/view/page.html: $(wildcard tools/view/page/*.js tools/view/page/*.html tools/view/page/*.css) build/view/node_modules/three/package.json
 	$(NODE) tools/view/page/make_page.js build/view
 endif

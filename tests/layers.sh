@@ -47,7 +47,7 @@ function set_rules(folders, count, i)
     inner["compile"] = "text";             public["compile"] = "core"
     inner["urdf"] = "";                    public["urdf"] = "core compile"
     inner["convex"] = "";                  public["convex"] = "core"
-    inner["bindings"] = "";                public["bindings"] = "core compile urdf convex drivers host"
+    inner["bindings"] = "tools";           public["bindings"] = "core compile urdf convex drivers host"
     inner["drivers"] = "text";             public["drivers"] = "core"
     inner["scene"] = "text drivers";       public["scene"] = "core compile convex"
     inner["host"] = "text scene drivers";  public["host"] = "core"

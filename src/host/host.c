@@ -12,8 +12,10 @@
 #include "dynpoint/driver.h"
 #include "dynpoint/identify.h"
 #include "host/host_embed.h"
+#include "host/host_inside.h"
 #include "host/host_session.h"
 #include "loop_line.h"
+#include "platform/clock.h"
 #include "scene/host_error.h"
 #include "scene/host_file.h"
 #include "scene/scene_record.h"
@@ -40,6 +42,7 @@ struct dpt_host {
     struct outside outside;
     struct loop_line_def line_def;
     struct loop_line line;
+    uint64_t began_ns; /* host_tick_began */
 };
 
 /* What texts call a scene that is the caller's. */
@@ -261,6 +264,8 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
 {
     dpt_host *host = user;
     scene_record_begin(&host->record);
+    if (host->felt)
+        host->began_ns = clock_now();
     const dpt_result result = host_session_feel(&host->session, sample, wrench);
     scene_record_tick(&host->record, &host->session.scene, sample, result, wrench);
     if (host->felt)
@@ -500,6 +505,23 @@ dpt_result dpt_host_get_info(const dpt_host *host, dpt_host_info *out)
 dpt_world *dpt_host_get_world(const dpt_host *host)
 {
     return host ? host->session.scene.stage.world : NULL;
+}
+
+const struct scene *host_scene(const dpt_host *host)
+{
+    return &host->session.scene;
+}
+
+struct scene_hand host_hand(const dpt_host *host)
+{
+    return (struct scene_hand){ .device = host->device,
+                                .rate = host->session.rate,
+                                .force_max = host->session.guard.force_max };
+}
+
+uint64_t host_tick_began(const dpt_host *host)
+{
+    return host->began_ns;
 }
 
 dpt_tool dpt_host_get_tool(const dpt_host *host)

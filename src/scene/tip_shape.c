@@ -207,10 +207,17 @@ int tip_shape_read(struct tip_shape *shape, const char *text, const char *end)
 /* So many radii of a hull are tried, and so many directions are looked at. */
 enum { RADIUS_STEPS = 20, GROWTH_STEPS = 1000 };
 
+#ifdef DPT_LOADS_CONVEX
+const char *curved_tip_left_out(void)
+{
+    return convex_library_fault();
+}
+#else
 const char *curved_tip_left_out(void)
 {
     return NULL;
 }
+#endif
 
 static dpt_convex_shape shape_of(const struct tip_shape *tip)
 {

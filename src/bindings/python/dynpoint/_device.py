@@ -8,7 +8,7 @@ import os
 import time
 import weakref
 from types import TracebackType
-from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from . import _dynpoint
 from ._mesh import Mesh, PathLike
 from ._structs import (DEVICE_COUNTS, DEVICE_INFO, DEVICE_STATE, GUARD_INFO, HOST_INFO, LOOP_STATS, Floats,
                        GuardState, Numbers, Records, room)
+from ._view import View, view_scene
 from ._world import Body, Tool, World, make_segments
 
 Tick = Callable[[Any, Floats, float], Optional[Numbers]]
@@ -184,9 +185,11 @@ class Scene(_Closes, _dynpoint.Scene):
     (1000, True)
     """
 
-    __slots__ = ("__weakref__", "name", "_meshes", "note")
+    __slots__ = ("__weakref__", "name", "_meshes", "note", "_device_name", "_view")
     name: str
     note: str
+    _device_name: Optional[str]
+    _view: Optional[View]
     _meshes: List[Mesh]
 
     def __new__(cls, scene: Optional[PathLike] = None, device: Optional[str] = None, *, tool: Optional[PathLike] = None,
@@ -206,6 +209,7 @@ class Scene(_Closes, _dynpoint.Scene):
         self.name = os.fspath(scene) if scene is not None else f"{len(placed)} bodies"
         self._meshes = [item[0] for item in placed]
         self.note = ""
+        self._device_name, self._view = device, None
         _open.add(self)
         return self
 
@@ -227,6 +231,23 @@ class Scene(_Closes, _dynpoint.Scene):
         info = room(HOST_INFO)
         self.get_info(info)
         return info[0]
+
+    def view(self, *, control: bool = False, open: bool = False, port: int = 0, frames: Iterable[str] = (),
+             title: Optional[str] = None) -> View:
+        """A page in a browser that shows the scene while it runs: begin before `run`. It is served by Python's own server, to
+        this machine alone, and needs a token, which is in View.url. `control` lets the page move a simulated hand. In a
+        notebook it shows itself; `frames` are the origins of other pages that may have it in a frame of theirs."""
+        view = view_scene(self, self._device_name, title or self.name, control, port, frames)
+        self._view = view
+        if open:
+            view.open()
+        return view
+
+    def close(self) -> None:
+        """Zero force goes out, the device closes, pages are told."""
+        super().close()
+        if self._view is not None:
+            self._view.close("The scene was closed.")
 
     @property
     def world(self) -> World:
