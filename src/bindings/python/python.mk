@@ -21,7 +21,7 @@ PY_PARTS := $(addprefix $(PY)/parts/,_dynpoint.abi3.so dynpoint $(if $(URDF_PART
   $(if $(CONVEX_PARTS),libdynpoint_convex.so) $(if $(VIEW_SERVER),libdynpoint_view.so) \
   $(if $(filter yes made,$(VIEW_PAGE)),page.html page.csp))
 PY_LINK = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -Wl,--gc-sections -Wl,-rpath,'$$ORIGIN'
-PY_LINK_PART = $(LDFLAGS) -shared -Wl,--gc-sections -Wl,--version-script=src/bindings/python/parts/part.map $^ -lm $(THREADS) $(DL)
+PY_LINK_PART = $(LDFLAGS) -shared -Wl,--gc-sections,-z,defs -Wl,--version-script=src/bindings/python/parts/part.map $^ -lm $(THREADS) $(DL)
 
 .PHONY: wheel wheel-release sdist python-parts
 python-parts: $(PY_PARTS)
@@ -88,7 +88,7 @@ $(PY)/parts/libdynpoint_urdf.so: $(URDF_PARTS) $(COMPILE) $(TEXT) $(CORE)
 $(PY)/parts/libdynpoint_convex.so: $(CONVEX_PARTS) $(CORE)
 	@mkdir -p $(@D)
 	$(CC) $(CONFIG_CFLAGS) $(PY_LINK_PART) $(CONVEX_LIBS) -o $@
-$(PY)/parts/libdynpoint_view.so: $(PY_VIEW_SERVER) $(B)/tools/view/view_request.o $(PLATFORM_PROGRAM) $(PLATFORM_PARTS)
+$(PY)/parts/libdynpoint_view.so: $(PY_VIEW_SERVER) $(B)/tools/view/view_request.o $(TEXT) $(PLATFORM_PROGRAM) $(PLATFORM_PARTS)
 	@mkdir -p $(@D)
 	$(CC) $(CONFIG_CFLAGS) $(PY_LINK_PART) $(LWS_LIBS) -o $@
 $(PY)/parts/page.html $(PY)/parts/page.csp: build/view/page.html

@@ -2,7 +2,9 @@
 """Arms: links that joints move."""
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Iterator, Tuple, Type, TypeVar
 
 import numpy as np
@@ -15,13 +17,25 @@ A = TypeVar("A", bound="Arm")
 
 
 class Arm(_dynpoint.Arm):
-    """A compiled arm (a .dpa of `dynpoint compile` from a URDF). Joints are rad or m; frames are the root's."""
+    """A robot's arm, of a URDF or compiled (a .dpa of `dynpoint compile`). Joints are rad or m; frames are the root's."""
 
     __slots__ = ("__weakref__",)
 
     @classmethod
-    def load(cls: Type[A], path: PathLike) -> A:
-        return cls(Path(path).read_bytes())
+    def load(cls: Type[A], path: PathLike, *options: str) -> A:
+        """A .dpa file, or a URDF, where the system has urdfdom; options are those of `dynpoint compile`, as "--tool"."""
+        path = Path(path)
+        if path.suffix.lower() == ".dpa":
+            if options:
+                raise TypeError(f"{path}: it is compiled already: there are no options to choose")
+            return cls(path.read_bytes())
+        with TemporaryDirectory() as room:
+            made = Path(room, "arm.dpa")
+            ran = subprocess.run([Path(__file__).with_name("program"), "compile", path, "-o", made, *options], text=True,
+                                 capture_output=True)
+            if ran.returncode:
+                raise _dynpoint.Error(ran.stderr.strip().removeprefix("dynpoint compile: "))
+            return cls(made.read_bytes())
 
     @property
     def info(self) -> Any:

@@ -209,6 +209,11 @@ class _Handler(BaseHTTPRequestHandler):
         except OSError:
             pass
 
+    def _is_late(self, link: _Socket) -> None:
+        self.server.refused += 1
+        link.close(POLICY)
+        self._cut()
+
     def _answer(self, status: HTTPStatus, content: bytes = b"", kind: str = "text/plain") -> None:
         self.close_connection = True
         if status != HTTPStatus.OK:
@@ -270,7 +275,7 @@ class _Handler(BaseHTTPRequestHandler):
     def _speak(self, link: _Socket) -> None:
         client = None
         try:
-            self.late = threading.Timer(TOKEN_SECONDS, lambda: (link.close(POLICY), self._cut()))
+            self.late = threading.Timer(TOKEN_SECONDS, self._is_late, (link,))
             self.late.daemon = True
             self.late.start()
             token = link.receive()
@@ -292,9 +297,21 @@ class _Handler(BaseHTTPRequestHandler):
         except (OSError, ValueError):
             pass
         finally:
+            self.late.cancel()
             if client:
                 self.server.leave(client)
-            self._cut()
+            self._drain()
+
+    def _drain(self) -> None:
+        """What the page has said meanwhile would make the system throw away what it still has to get."""
+        until = time.monotonic() + 0.5
+        try:
+            self.connection.shutdown(socket.SHUT_WR)
+            self.connection.settimeout(0.5)
+            while time.monotonic() < until and self.connection.recv(65536):
+                pass
+        except OSError:
+            pass
 
 
 class ViewServer(ThreadingHTTPServer):

@@ -75,7 +75,7 @@ class View:
         if self._room:
             shutil.rmtree(self._room, ignore_errors=True)
             self._room = None
-        scene = self._scene and self._scene()
+        scene = self._scene() if self._scene else None
         if scene is not None and not scene.closed and not scene.running:
             scene.view_end()
 
