@@ -48,10 +48,10 @@ WHEEL_HEADERS = $(wildcard $(foreach name,jansson.h jansson_config.h ccd,$(WHEEL
 wheel-release: ## the same for any Linux with glibc 2.28 (make deps wheels), with jansson inside; WHEEL_FOR=aarch64 WHEEL_ROOT=FOLDER: for another machine
 	rm -rf $(MANYLINUX)/include $(MANYLINUX)/dynpoint-*.whl && mkdir -p $(MANYLINUX)/include
 	cp -R $(WHEEL_HEADERS) $(MANYLINUX)/include
-	$(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target $(WHEEL_FOR)-linux-gnu.2.28' URDF=no LWS=no LDFLAGS=-Wl,-s \
+	DYNPOINT_PLATFORM=linux_$(WHEEL_FOR) $(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target $(WHEEL_FOR)-linux-gnu.2.28' URDF=no LWS=no LDFLAGS=-Wl,-s \
 	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/include' JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
 	  CONVEX=yes CONVEX_CFLAGS='-I$(MANYLINUX)/include' CONVEX_LIBS='$(WHEEL_LIBS)/libccd.so'
-	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$$(dirname $$(command -v $(PYTHON))):$$PATH" auditwheel repair --plat manylinux_2_28_$(WHEEL_FOR) --exclude libccd.so.2 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
+	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$(if $(findstring /,$(PYTHON)),$(dir $(PY_PYTHON)):)$$PATH" auditwheel repair --plat auto --exclude libccd.so.2 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
 
 sdist: $(if $(filter yes made,$(VIEW_PAGE)),build/view/page.html) ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	@rm -f $(PY)/dynpoint-*.tar.gz

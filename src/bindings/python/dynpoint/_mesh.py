@@ -112,6 +112,9 @@ class Mesh(_dynpoint.Mesh):
         """A mesh of one of trimesh, meshio or pyvista."""
         if hasattr(other, "geometry") and hasattr(other, "to_geometry"):  # trimesh.Scene
             other = other.to_geometry()
+        if hasattr(type(other), "triangulate"):  # pyvista: a surface, or cells that have one
+            surface = (other if hasattr(type(other), "is_all_triangles") else other.extract_geometry()).triangulate()
+            return cls.compile(surface.points, surface.faces.reshape(-1, 4)[:, 1:], unit=unit, **settings)
         if hasattr(other, "vertices") and hasattr(other, "faces"):  # trimesh
             return cls.compile(other.vertices, other.faces, unit=unit, **settings)
         if hasattr(other, "cells_dict"):  # meshio
@@ -123,9 +126,6 @@ class Mesh(_dynpoint.Mesh):
             if not faces:
                 raise ValueError(f"no triangles in it, but {', '.join(other.cells_dict) or 'nothing'}")
             return cls.compile(np.asarray(other.points)[:, :3], np.vstack(faces), unit=unit, **settings)
-        if hasattr(other, "regular_faces"):  # pyvista
-            surface = other.triangulate()
-            return cls.compile(surface.points, surface.regular_faces, unit=unit, **settings)
         raise TypeError(f"wanted a mesh of trimesh, meshio or pyvista, not {type(other).__name__}")
 
     def save(self, path: PathLike) -> None:
