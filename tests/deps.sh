@@ -24,8 +24,9 @@ motors|9 MB, and 75 more from PyPI|libraries for Damiao, RobStride, CyberGear an
 view|234 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them; pictures|pkg-config libwebsockets-dev nodejs npm chromium webp
 build|26 MB|projects built with CMake; manual pages as they are shown|cmake groff
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
-python|9 MB, and 116 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
+python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv
+wheels|2 MB, 10 of another machine, and WHEELS more from PyPI|the wheels of a release of the package of Python, also for AArch64|python3 python3-venv libjansson-dev libccd-dev qemu-user-static
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
 wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs'
 
@@ -64,6 +65,11 @@ fetch() {
     kinematics) sh tests/lib/venv.sh build/venv-urdf tests/oracle/requirements.txt ;;
     python) sh tests/lib/venv.sh build/venv-python tests/python/requirements.txt ;;
     newton) sh tests/lib/venv.sh build/venv-newton tests/python/requirements_newton.txt ;;
+    wheels)
+        sh tests/python/foreign_root.sh build/foreign
+        foreign=$?
+        sh tests/lib/venv.sh build/venv-wheels tests/python/requirements-wheels.txt && [ $foreign -eq 0 ]
+        ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
     motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
     view) fetch_three ;;

@@ -7,10 +7,11 @@ here=$(cd "$(dirname "$0")/.." && pwd) || exit 2
 . "$here/tests/lib/verdict.sh"
 scratch=$1/deps_test
 rm -rf "$scratch"
-mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view/page" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle"
+mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view/page" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle" "$scratch/tree/tests/python"
 scratch=$(cd "$scratch" && pwd) || exit 2
 (cd "$here" && cp Makefile "$scratch/tree" && cp tests/deps.sh tests/run.sh tests/programs.txt "$scratch/tree/tests" &&
-    cp tests/lib/venv.sh tests/lib/jobs.sh "$scratch/tree/tests/lib" && cp tests/vm/kernel.sh "$scratch/tree/tests/vm")
+    cp tests/lib/venv.sh tests/lib/jobs.sh "$scratch/tree/tests/lib" && cp tests/vm/kernel.sh "$scratch/tree/tests/vm" &&
+    cp tests/python/foreign_root.sh "$scratch/tree/tests/python")
 for file in package.json package-lock.json .npmrc; do : >"$scratch/tree/tools/view/page/$file"; done
 export INSTALLED="$scratch/installed" CALLS="$scratch/calls" USER_ID=0
 unset DEPS MAKEFLAGS MAKELEVEL 2>/dev/null
@@ -102,7 +103,7 @@ check "but when another is locked" test "$(grep -c '^npm ci' "$CALLS")" -eq 1
 rm "$scratch/bin/node" "$scratch/bin/npm"
 asks make deps nonesuch
 check "an unknown group is an error" test $status -eq 2
-check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python newton platforms wasm or all' "$scratch/says"
+check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python newton wheels platforms wasm or all' "$scratch/says"
 check "and installs nothing" untouched
 (cd "$scratch/tree" && PATH="$scratch/bin:$scratch/rest" sh tests/vm/kernel.sh) >"$scratch/says" 2>&1
 check "a test alone fetches no kernel" test $? -eq 77 -a ! -s "$INSTALLED"

@@ -135,6 +135,8 @@ else
     if [ "$whole" = release ]; then
         run_waiting "Windows" env JOBS=1 sh tests/platforms/windows.sh build
         run "macOS" env JOBS=1 sh tests/platforms/macos.sh build
+        run "Python's wheels" env JOBS=1 sh tests/python/wheels.sh build
+        run "Python's package, sanitized" env JOBS=1 sh tests/python/sanitize.sh build
     fi
     run "the layers" sh tests/layers.sh build
     run "the layers' own test" sh tests/layers_test.sh build

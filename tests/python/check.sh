@@ -32,10 +32,16 @@ check "a user's types do, see $log" env MYPYPATH="$site" "$build/venv-python/bin
 log=
 [ "${RELEASE:-no}" != yes ] || export BULK=2000
 # Away from the tree: nothing of it is found by accident.
-for test in feel.py misuse.py life.py safety.py batch.py bulk.py exports.py with_mujoco.py; do
+for test in feel.py misuse.py life.py safety.py files.py parts.py view.py batch.py bulk.py exports.py; do
     count "${test%.py}" env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" "$python" -X dev -W ignore::ResourceWarning \
         "tests/python/$test"
 done
+if [ -f build/venv-soft/complete ]; then
+    count with_mujoco env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" build/venv-soft/bin/python -X dev \
+        -W ignore::ResourceWarning tests/python/with_mujoco.py
+else
+    skip "with_mujoco: no MuJoCo (make deps soft)"
+fi
 if [ "${RELEASE:-no}" = yes ] && [ ! -f build/venv-newton/complete ]; then
     skip "Newton: no packages (make deps newton)"
 elif [ "${RELEASE:-no}" = yes ]; then

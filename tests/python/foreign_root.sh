@@ -9,15 +9,20 @@ rm -rf "$folder"
 mkdir -p "$folder/apt/lists/partial" "$folder/apt/cache/archives/partial" "$folder/packages" "$folder/root" "$folder/site" || exit 1
 folder=$(cd "$folder" && pwd)
 : >"$folder/apt/status"
-apt() {
-    apt-get -qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User=root -o Dir::State::lists="$folder/apt/lists" \
+apt() { # COMMAND...
+    what=$1
+    shift
+    apt-get "$what" -qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o APT::Sandbox::User=root -o Dir::State::lists="$folder/apt/lists" \
         -o Dir::State::status="$folder/apt/status" -o Dir::Cache="$folder/apt/cache" "$@"
+}
+unpack() {
+    for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/root" || return 1; done
 }
 {
     apt update &&
         (cd "$folder/packages" && apt download libc6 libgcc-s1 libstdc++6 zlib1g libexpat1 libffi8 libssl3 libbz2-1.0 liblzma5 libuuid1 \
             libpython3.11-minimal python3.11-minimal libpython3.11-stdlib libjansson4 libjansson-dev libccd2 libccd-dev) &&
-        for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/root" || exit 1; done &&
+        unpack &&
         python3 -m pip install --quiet --target "$folder/site" --platform manylinux_2_28_aarch64 --platform manylinux_2_27_aarch64 \
             --platform manylinux2014_aarch64 --only-binary=:all: --python-version 3.11 numpy==2.4.6 &&
         touch "$folder/complete"

@@ -85,6 +85,14 @@ $(PY)/built_with.h: force
 $(PY)/parts/_dynpoint.abi3.so: $(PY_OBJECTS)
 	@mkdir -p $(@D)
 	$(PY_LINK) -shared -Wl,--version-script=src/bindings/python/python.map $^ -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
+# The extension's own sources under sanitizers, for tests/python/sanitize.sh; the library's are there in the tests in C.
+PY_SANITIZED := $(PY_SOURCES:%.c=$(PY)/sanitized/%.o)
+$(PY_SANITIZED): CONFIG_CFLAGS += -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+$(PY)/sanitized/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Itests/abi -Idrivers -Itools -isystem $(PY_INCLUDE) -c $< -o $@
+$(PY)/sanitized/_dynpoint.abi3.so: $(PY_SANITIZED) $(filter-out $(PY_SOURCES:%.c=$(B)/%.o),$(PY_OBJECTS))
+	$(PY_LINK) -fsanitize=address,undefined -shared -Wl,--version-script=src/bindings/python/python.map $^ -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
 $(PY)/parts/dynpoint: $(PY_PROGRAM)
 	@mkdir -p $(@D)
 	$(PY_LINK) $(sort $^) -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
 
 from setuptools import Extension, setup
@@ -43,5 +44,7 @@ class Wheel(bdist_wheel):
         return (*tag[:2], os.environ.get("DYNPOINT_PLATFORM", tag[2]))
 
 
-setup(version=VERSION, ext_modules=[Extension("dynpoint._dynpoint", [], py_limited_api=True)],
-      cmdclass={"build_ext": Build, "bdist_wheel": Wheel}, options={"bdist_wheel": {"py_limited_api": "cp311"}})
+# A build of Python without its lock has no limited API (python_error.h).
+LIMITED = not sysconfig.get_config_var("Py_GIL_DISABLED")
+setup(version=VERSION, ext_modules=[Extension("dynpoint._dynpoint", [], py_limited_api=LIMITED)],
+      cmdclass={"build_ext": Build, "bdist_wheel": Wheel}, options={"bdist_wheel": {"py_limited_api": "cp311"}} if LIMITED else {})
