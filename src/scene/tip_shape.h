@@ -75,7 +75,7 @@ int tip_shape_read(struct tip_shape *shape, const char *text, const char *end); 
 /* NULL if this build supports curved tips; else the reason, for the end of a message. */
 const char *curved_tip_left_out(void);
 
-/* Of a build with DPT_LOADS_CONVEX, which has no libccd in it: whoever loads that when it is first asked for tells, likewise. */
+/* Likewise, of a build with DPT_LOADS_CONVEX: it has no libccd in it, and whoever loads that tells. */
 const char *convex_library_fault(void);
 
 /*

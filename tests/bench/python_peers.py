@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The nearest pair of segments and a liver, by this package and by others of Python in one run: python3
-tests/bench/python_peers.py PROGRAM [SEGMENTS], where dynpoint is installed, and trimesh with rtree, Open3D, python-fcl and coal
-(tests/bench/requirements-python.txt), as far as they are there. Prints docs/python.md's table: time of the processor, and the
-error by brute force over all triangles in double precision. What takes long answers the first segments alone."""
+tests/bench/python_peers.py PROGRAM [SEGMENTS], where dynpoint is installed, and trimesh with rtree, Open3D, python-fcl
+and coal (tests/bench/requirements-python.txt), as far as they are there. Prints docs/python.md's table: time of the
+processor, and the error by brute force over all triangles in double precision. What takes long answers the first
+segments alone."""
+
 import subprocess
 import sys
 import tempfile
@@ -28,7 +30,16 @@ def to_segment(points, a, b):
     """Squared distances of points to segments."""
     along = b - a
     length = dot(along, along)
-    s = np.clip(np.divide(dot(points - a, along), length, out=np.zeros(np.broadcast_shapes(points.shape, a.shape)[:-1]), where=length > 0), 0, 1)
+    s = np.clip(
+        np.divide(
+            dot(points - a, along),
+            length,
+            out=np.zeros(np.broadcast_shapes(points.shape, a.shape)[:-1]),
+            where=length > 0,
+        ),
+        0,
+        1,
+    )
     rest = points - a - s[..., None] * along
     return dot(rest, rest)
 
@@ -42,12 +53,15 @@ def segments_apart(p, q, a, b):
         s, t = (uv * vw - vv * uw) / size, (uu * vw - uv * uw) / size
         rest = w + s[:, None] * u - t[:, None] * v
         inner = np.where((size > 0) & (s >= 0) & (s <= 1) & (t >= 0) & (t <= 1), dot(rest, rest), np.inf)
-    ends = np.minimum(np.minimum(to_segment(p, a, b), to_segment(q, a, b)), np.minimum(to_segment(a, p, q), to_segment(b, p, q)))
+    ends = np.minimum(
+        np.minimum(to_segment(p, a, b), to_segment(q, a, b)), np.minimum(to_segment(a, p, q), to_segment(b, p, q))
+    )
     return np.fmin(inner, ends)
 
 
 class Judge:
-    """The least distance over all triangles: of edges, of ends above a triangle's inside, and 0 where the segment goes through."""
+    """The least distance over all triangles: of edges, of ends above a triangle's inside, and 0 where a segment goes
+    through."""
 
     def __init__(self, corners):
         self.a, self.b, self.c = corners[:, 0], corners[:, 1], corners[:, 2]
@@ -62,7 +76,10 @@ class Judge:
         return inside
 
     def distance(self, p, q):
-        least = min(segments_apart(p, q, one, other).min() for one, other in ((self.a, self.b), (self.b, self.c), (self.c, self.a)))
+        least = min(
+            segments_apart(p, q, one, other).min()
+            for one, other in ((self.a, self.b), (self.b, self.c), (self.c, self.a))
+        )
         heights = [dot(point - self.a, self.normal) for point in (p, q)]
         for point, height in zip((p, q), heights):
             over = self.above(point)
@@ -78,6 +95,7 @@ class Judge:
 def by_dynpoint(mesh, ends, **settings):
     def answer(count):
         return mesh.query(ends[:count], **settings)["distance"]
+
     return answer
 
 
@@ -88,6 +106,7 @@ def by_points(distances, ends, points):
     def answer(count):
         a, b = ends[:count, None, :3], ends[:count, None, 3:]
         return distances((a + shares * (b - a)).reshape(-1, 3)).reshape(-1, points).min(axis=1)
+
     return answer
 
 
@@ -101,7 +120,9 @@ def by_open3d(vertices, triangles, ends, points):
     o3d = import_module("open3d")
     scene = o3d.t.geometry.RaycastingScene(nthreads=1)
     scene.add_triangles(o3d.core.Tensor(vertices), o3d.core.Tensor(triangles))
-    return by_points(lambda p: scene.compute_distance(o3d.core.Tensor(p.astype(np.float32)), nthreads=1).numpy(), ends, points)
+    return by_points(
+        lambda p: scene.compute_distance(o3d.core.Tensor(p.astype(np.float32)), nthreads=1).numpy(), ends, points
+    )
 
 
 def turns(ends):
@@ -132,6 +153,7 @@ def by_fcl(vertices, triangles, ends):
             tool = fcl.CollisionObject(fcl.Capsule(THIN, lengths[i]), fcl.Transform(rotations[i], middles[i]))
             found[i] = fcl.distance(body, tool, fcl.DistanceRequest(), fcl.DistanceResult())
         return np.maximum(found + THIN, 0)
+
     return answer
 
 
@@ -153,8 +175,11 @@ def by_coal(vertices, triangles, ends):
         middles, lengths, rotations = turns(ends[:count])
         for i in range(count):
             result = coal.DistanceResult()
-            found[i] = coal.distance(model, here, coal.Capsule(THIN, lengths[i]), coal.Transform3s(rotations[i], middles[i]), request, result)
+            found[i] = coal.distance(
+                model, here, coal.Capsule(THIN, lengths[i]), coal.Transform3s(rotations[i], middles[i]), request, result
+            )
         return np.maximum(found + THIN, 0)
+
     return answer
 
 
@@ -168,7 +193,10 @@ def row(name, answer, count, truth):
     error = np.abs(found[:judged] - truth[:judged])
     through = truth[:judged] == 0
     missed = np.count_nonzero(found[:judged][through] > TOUCH)
-    print(f"| {name} | {count:,} | {1e6 * took:,.1f} | {1e6 * error.max():.3g} | {missed} of {np.count_nonzero(through)} |", flush=True)
+    print(
+        f"| {name} | {count:,} | {1e6 * took:,.1f} | {1e6 * error.max():.3g} | {missed} of {np.count_nonzero(through)} |",
+        flush=True,
+    )
 
 
 def main():
@@ -183,16 +211,20 @@ def main():
     ends[:, 3:] = ends[:, :3] + numbers.normal(0, 0.03, (SEGMENTS, 3))
     judge = Judge(vertices.astype(float)[triangles])
     truth = np.array([judge.distance(row[:3], row[3:]) for row in ends[:JUDGED]])
-    print(f"{len(triangles):,} triangles; {JUDGED:,} segments judged, of which {np.count_nonzero(truth == 0)} go through the surface")
+    print(
+        f"{len(triangles):,} triangles; {JUDGED:,} segments judged, "
+        f"of which {np.count_nonzero(truth == 0)} go through the surface"
+    )
     print("\n| | segments | us each | error, um, at most | crossings missed |\n|---|---|---|---|---|")
     row(f"dynpoint {dp.__version__}, `pair=1`", by_dynpoint(mesh, ends, pair=1), SEGMENTS, truth)
     row("dynpoint, with gap and depth", by_dynpoint(mesh, ends), SEGMENTS, truth)
     for package, module, name, make, count in (
-            ("coal", "coal", "coal {}, a thin capsule", by_coal, 20000),
-            ("python-fcl", "fcl", "python-fcl {}, a thin capsule", by_fcl, 20000),
-            ("open3d-cpu", "open3d", "Open3D {}, 8 points", lambda *mesh: by_open3d(*mesh, 8), 10000),
-            ("open3d-cpu", "open3d", "Open3D {}, 64 points", lambda *mesh: by_open3d(*mesh, 64), 2000),
-            ("trimesh", "trimesh", "trimesh {}, 8 points", by_trimesh, 400)):
+        ("coal", "coal", "coal {}, a thin capsule", by_coal, 20000),
+        ("python-fcl", "fcl", "python-fcl {}, a thin capsule", by_fcl, 20000),
+        ("open3d-cpu", "open3d", "Open3D {}, 8 points", lambda *mesh: by_open3d(*mesh, 8), 10000),
+        ("open3d-cpu", "open3d", "Open3D {}, 64 points", lambda *mesh: by_open3d(*mesh, 64), 2000),
+        ("trimesh", "trimesh", "trimesh {}, 8 points", by_trimesh, 400),
+    ):
         try:
             import_module(module)
         except ImportError:

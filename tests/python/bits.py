@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the package answers, for another machine to answer alike: python3 bits.py MESH.obj UNIT TRACE.csv prints a digest of a
-compiled mesh's bytes, of nearest pairs, of wrenches and of a recording. With the files MESH.dpa and TOLD.csv that `dynpoint
-compile` and `dynpoint replay` wrote of the same it compares them too, bit for bit."""
+"""What the package answers, for another machine to answer alike: python3 bits.py MESH.obj UNIT TRACE.csv prints a
+digest of a compiled mesh's bytes, of nearest pairs, of wrenches and of a recording. With the files MESH.dpa and
+TOLD.csv that `dynpoint compile` and `dynpoint replay` wrote of the same it compares them too, bit for bit."""
+
 import csv
 import hashlib
 import sys
@@ -22,7 +23,10 @@ def show(what, content):
 
 show("mesh", bytes(mesh))
 hits = mesh.query(ends, radius=0.002, threads=2)
-show("pairs", b"".join(np.ascontiguousarray(hits[name]).tobytes() for name in ("distance", "gap", "p", "q", "triangle", "flags")))
+show(
+    "pairs",
+    b"".join(np.ascontiguousarray(hits[name]).tobytes() for name in ("distance", "gap", "p", "q", "triangle", "flags")),
+)
 with dp.World() as world:
     world.add_body(mesh)
     tool = world.add_tool(ends[0, :3], ends[0, 3:], 0.002)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a page of a viewer says and hears, by hand: a web socket, whose frames are made and read here from RFC 6455 alone, and
-plain requests."""
+"""What a page of a viewer says and hears, by hand: a web socket, whose frames are made and read here from RFC 6455
+alone, and plain requests."""
+
 import base64
 import os
 import socket
@@ -36,9 +37,17 @@ class Page:
 
     def upgrade(self, **headers):
         """The status of a handshake; headers replace those of a page of this server."""
-        return self.ask(**{"origin": "http://" + self.host, "upgrade": "websocket", "connection": "Upgrade",
-                           "sec_websocket_version": 13, "sec_websocket_protocol": "dynpoint",
-                           "sec_websocket_key": base64.b64encode(os.urandom(16)).decode(), **headers})[0]
+        return self.ask(
+            **{
+                "origin": "http://" + self.host,
+                "upgrade": "websocket",
+                "connection": "Upgrade",
+                "sec_websocket_version": 13,
+                "sec_websocket_protocol": "dynpoint",
+                "sec_websocket_key": base64.b64encode(os.urandom(16)).decode(),
+                **headers,
+            }
+        )[0]
 
     def join(self):
         """A page that is known: the first message."""
@@ -57,14 +66,26 @@ class Page:
 
     def say(self, text, first=0x81, masked=True):
         content = text.encode()
-        size = bytes([len(content) | 128 * masked]) if len(content) < 126 else struct.pack(">BH", 126 | 128 * masked, len(content))
+        size = (
+            bytes([len(content) | 128 * masked])
+            if len(content) < 126
+            else struct.pack(">BH", 126 | 128 * masked, len(content))
+        )
         mask = os.urandom(4) if masked else b""
-        self.socket.sendall(bytes([first]) + size + mask + bytes(x ^ mask[i % 4] if masked else x for i, x in enumerate(content)))
+        self.socket.sendall(
+            bytes([first]) + size + mask + bytes(x ^ mask[i % 4] if masked else x for i, x in enumerate(content))
+        )
 
     def hear(self):
         """The next message's bytes; of a close its code."""
         first, size = self.take(2)
-        size, = struct.unpack(">H", self.take(2)) if size == 126 else struct.unpack(">Q", self.take(8)) if size == 127 else (size,)
+        (size,) = (
+            struct.unpack(">H", self.take(2))
+            if size == 126
+            else struct.unpack(">Q", self.take(8))
+            if size == 127
+            else (size,)
+        )
         content = self.take(size)
         return struct.unpack(">H", content)[0] if first == 0x88 else content
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What needs urdfdom, libccd or libwebsockets does what the program does that is linked to them, and says what is missing where
-the system has them not: in a copy of the package that asks for libraries that no system has."""
+"""What needs urdfdom, libccd or libwebsockets does what the program does that is linked to them, and says what is
+missing where the system has them not: in a copy of the package that asks for libraries that no system has."""
+
 import os
 import re
 import shutil
@@ -20,8 +21,11 @@ ROBOT = Path(__file__).parent.parent / "golden-urdf/masses.urdf"
 CURVED = ["curved-cone:0.01,0,0.02", "ellipsoid:0.01,0.02,0.02"]
 LIBRARIES = {"urdf": "liburdfdom_model.so.", "convex": "libccd.so.", "view": "libwebsockets.so."}
 # The Debian packages, by what they are for.
-SAID = {"urdf": "it needs urdfdom (Debian: liburdfdom-model3.0 libexpat1): ", "convex": "it needs libccd (Debian: libccd2): ",
-        "view": "it needs libwebsockets (Debian: libwebsockets17): "}
+SAID = {
+    "urdf": "it needs urdfdom (Debian: liburdfdom-model3.0 libexpat1): ",
+    "convex": "it needs libccd (Debian: libccd2): ",
+    "view": "it needs libwebsockets (Debian: libwebsockets17): ",
+}
 
 
 def felt(tip):
@@ -53,14 +57,19 @@ class Parts(unittest.TestCase):
 
     def run_in(self, name, *words):
         path = {"PYTHONPATH": str(Path(self.room.name, name))} if name else {}
-        return subprocess.run([sys.executable, *map(str, words)], env={**os.environ, **path}, capture_output=True, text=True, timeout=120)
+        return subprocess.run(
+            [sys.executable, *map(str, words)], env={**os.environ, **path}, capture_output=True, text=True, timeout=120
+        )
 
     def said_of(self, part, text):
         """Of a system without the library, and of a package without the part."""
         lacking, without = text("lacking"), text("without")
         self.assertIn(SAID[part] + "this package was built without it", without)
         if f"DPT_HAS_{dict(view='lws').get(part, part).upper()}\n" in BUILT:
-            self.assertRegex(lacking, re.escape(SAID[part] + LIBRARIES[part].replace("lib", "lix", 1)) + ".*cannot open shared object file")
+            self.assertRegex(
+                lacking,
+                re.escape(SAID[part] + LIBRARIES[part].replace("lib", "lix", 1)) + ".*cannot open shared object file",
+            )
 
     @unittest.skipUnless("DPT_HAS_URDF" in BUILT, "a build without urdfdom")
     def test_a_robot_is_read_as_the_program_reads_it(self):
@@ -87,10 +96,29 @@ class Parts(unittest.TestCase):
     def test_a_curved_tip_is_felt_as_the_program_feels_it(self):
         for tip in CURVED:
             record = Path(self.room.name, "tip.dpr")
-            subprocess.run([PROGRAM, "run", "liver", "--device", "sim:?hand=press", "--law", "point", "--tip", tip, "--ticks", "1500",
-                            "--record", record], check=True, capture_output=True)
+            subprocess.run(
+                [
+                    PROGRAM,
+                    "run",
+                    "liver",
+                    "--device",
+                    "sim:?hand=press",
+                    "--law",
+                    "point",
+                    "--tip",
+                    tip,
+                    "--ticks",
+                    "1500",
+                    "--record",
+                    record,
+                ],
+                check=True,
+                capture_output=True,
+            )
             told = dp.Recording(record).records["asked"]
-            with dp.Scene("liver", "sim:?hand=press", tips=[tip], law="point", ticks=1500, record=record.with_name("mine.dpr")) as scene:
+            with dp.Scene(
+                "liver", "sim:?hand=press", tips=[tip], law="point", ticks=1500, record=record.with_name("mine.dpr")
+            ) as scene:
                 scene.run()
             mine = dp.Recording(record.with_name("mine.dpr")).records["asked"]
             self.assertTrue(told.any() and (told == mine).all(), tip)
@@ -102,11 +130,20 @@ class Parts(unittest.TestCase):
             return ran.stderr
 
         self.said_of("convex", text)
-        self.assertEqual(self.run_in("without", "-c", "import dynpoint as dp; dp.Scene('liver', 'sim:', tips=['box:0.01,0.01,0.01'])").returncode, 0)
+        self.assertEqual(
+            self.run_in(
+                "without", "-c", "import dynpoint as dp; dp.Scene('liver', 'sim:', tips=['box:0.01,0.01,0.01'])"
+            ).returncode,
+            0,
+        )
 
-    @unittest.skipUnless("DPT_HAS_LWS" in BUILT and "DPT_HAS_VIEW_PAGE" in BUILT, "a build without the viewer's server or its page")
+    @unittest.skipUnless(
+        "DPT_HAS_LWS" in BUILT and "DPT_HAS_VIEW_PAGE" in BUILT, "a build without the viewer's server or its page"
+    )
     def test_with_libwebsockets_the_program_serves(self):
-        with subprocess.Popen([sys.executable, "-m", "dynpoint", "view", "liver", "--law", "bed"], text=True, stdout=subprocess.PIPE) as ran:
+        with subprocess.Popen(
+            [sys.executable, "-m", "dynpoint", "view", "liver", "--law", "bed"], text=True, stdout=subprocess.PIPE
+        ) as ran:
             self.assertRegex(ran.stdout.readline(), r"the viewer: http://127.0.0.1:\d+/#[0-9a-f]{32}")
             self.assertIn(b"libdynpoint_view.so", Path(f"/proc/{ran.pid}/maps").read_bytes())
             ran.terminate()
@@ -114,7 +151,11 @@ class Parts(unittest.TestCase):
     def test_without_libwebsockets_it_is_named(self):
         def text(name):
             program = Path(self.room.name, name, "dynpoint/program")
-            ran = subprocess.run([program, "run", "liver", "--device", "sim:?hand=press", "--view", "--ticks", "5"], capture_output=True, text=True)
+            ran = subprocess.run(
+                [program, "run", "liver", "--device", "sim:?hand=press", "--view", "--ticks", "5"],
+                capture_output=True,
+                text=True,
+            )
             self.assertEqual(ran.returncode, 2)
             return ran.stderr
 

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# The extension's own sources under ASan and UBSan, in make check-release: sh tests/python/sanitize.sh [BUILD=build]. The
-# library that they call is sanitized in the tests in C. Nor is the interpreter: the run-time library of ASan is loaded before
-# it. What Python leaves at its end is its own business; life.py counts what objects of the package leave.
+# The extension's own sources under ASan and UBSan, in make check-release: sh tests/python/sanitize.sh [BUILD=build].
+# The library that they call is sanitized in the tests in C. Nor is the interpreter: the run-time library of ASan is
+# loaded before it. What Python leaves at its end is its own business; life.py counts what objects of the package leave.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 . tests/lib/verdict.sh
@@ -18,14 +18,17 @@ if [ ! -f "$build/venv-python/complete" ]; then
 fi
 rm -rf "$made/site" && mkdir -p "$made"
 make -s -j"${JOBS:-2}" wheel "${1:-build}/python/sanitized/_dynpoint.abi3.so" PYTHON="$python" >"$made/make.log" 2>&1 &&
-    "$python" -m pip install --quiet --no-index --no-deps --target "$made/site" "$build"/python/dynpoint-*.whl >>"$made/make.log" 2>&1 &&
+    "$python" -m pip install --quiet --no-index --no-deps --target "$made/site" "$build"/python/dynpoint-*.whl \
+        >>"$made/make.log" 2>&1 &&
     cp "$made/_dynpoint.abi3.so" "$made/site/dynpoint"
 verdict $? "an extension of sanitized sources, see $made/make.log"
-runtime=$(${CC:-cc} -print-file-name=libasan.so)
+# With that of C++, whose exceptions it wants to see: others' extensions bring it later.
+runtime="$(${CC:-cc} -print-file-name=libasan.so) $(${CC:-cc} -print-file-name=libstdc++.so.6)"
 for test in misuse.py "life.py 2000" feel.py view.py files.py safety.py; do
     # The words of one test, and its number.
     # shellcheck disable=SC2086
-    count "${test%.py*}" env LD_PRELOAD="$runtime" ASAN_OPTIONS=detect_leaks=0:abort_on_error=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
+    count "${test%.py*}" env LD_PRELOAD="$runtime" ASAN_OPTIONS=detect_leaks=0:abort_on_error=1 \
+        UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
         PYTHONMALLOC=malloc PYTHONPATH="$made/site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$build" \
         "$python" -W ignore tests/python/$test
 done

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Scene.view: what a page gets, whom the server refuses, a page in Chromium, and in a frame of a notebook's."""
+
 import gc
 import http.server
 import json
@@ -106,10 +107,25 @@ class Browser:
     def __init__(self, url):
         self.room = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self.process = subprocess.Popen(
-            [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader",
-             "--enable-unsafe-swiftshader", "--no-first-run", "--remote-debugging-port=0", f"--user-data-dir={self.room.name}", url],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
-            env={name: value for name, value in os.environ.items() if name != "LD_PRELOAD"})  # sanitizers are not its
+            [
+                CHROMIUM,
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--use-gl=angle",
+                "--use-angle=swiftshader",
+                "--enable-unsafe-swiftshader",
+                "--no-first-run",
+                "--remote-debugging-port=0",
+                f"--user-data-dir={self.room.name}",
+                url,
+            ],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+            env={name: value for name, value in os.environ.items() if name != "LD_PRELOAD"},
+        )  # sanitizers are not its
 
     def __enter__(self):
         return self
@@ -143,18 +159,35 @@ class View(unittest.TestCase):
             self.assertEqual(page.take(int(headers["content-length"])), (folder / "page.html").read_bytes())
             self.assertEqual(headers["content-security-policy"], (folder / "page.csp").read_text().strip())
             self.assertIn("frame-ancestors 'none'", headers["content-security-policy"])
-            self.assertEqual({name: headers[name] for name in ("x-content-type-options", "referrer-policy", "cache-control",
-                                                               "cross-origin-resource-policy", "cross-origin-opener-policy")},
-                             {"x-content-type-options": "nosniff", "referrer-policy": "no-referrer", "cache-control": "no-store",
-                              "cross-origin-resource-policy": "same-origin", "cross-origin-opener-policy": "same-origin"})
+            self.assertEqual(
+                {
+                    name: headers[name]
+                    for name in (
+                        "x-content-type-options",
+                        "referrer-policy",
+                        "cache-control",
+                        "cross-origin-resource-policy",
+                        "cross-origin-opener-policy",
+                    )
+                },
+                {
+                    "x-content-type-options": "nosniff",
+                    "referrer-policy": "no-referrer",
+                    "cache-control": "no-store",
+                    "cross-origin-resource-policy": "same-origin",
+                    "cross-origin-opener-policy": "same-origin",
+                },
+            )
             self.assertNotIn("access-control-allow-origin", headers)
 
     def test_a_page_gets_the_scene_and_every_tick(self):
         with Running() as one, Page(one.view.url) as page:
             kind, size = struct.unpack_from("<II", first := page.join())
-            told = json.loads(first[8:8 + size])
+            told = json.loads(first[8 : 8 + size])
             self.assertEqual((kind, told["mode"], told["title"], told["control"]), (1, "live", "liver", False))
-            self.assertEqual((told["device"]["name"], told["device"]["simulated"], told["device"]["rate"]), (HAND, True, 1000))
+            self.assertEqual(
+                (told["device"]["name"], told["device"]["simulated"], told["device"]["rate"]), (HAND, True, 1000)
+            )
             mesh, blob = told["meshes"][0], (size + 15) // 8 * 8
             corners = np.frombuffer(first, np.uint32, 3 * mesh["triangles"], blob + mesh["corners"])
             self.assertLess(corners.max(), mesh["vertices"])
@@ -185,7 +218,10 @@ class View(unittest.TestCase):
         """The hand's simulated clock makes all runs alike."""
         asked = []
         for views in (False, True):
-            with tempfile.TemporaryDirectory() as room, dp.Scene("liver", "sim:?hand=press", ticks=1500, record=Path(room) / "r.dpr") as scene:
+            with (
+                tempfile.TemporaryDirectory() as room,
+                dp.Scene("liver", "sim:?hand=press", ticks=1500, record=Path(room) / "r.dpr") as scene,
+            ):
                 if views:
                     with Page(scene.view().url) as page:
                         page.join()
@@ -201,15 +237,27 @@ class View(unittest.TestCase):
     def test_strangers_are_refused(self):
         with Running() as one:
             port = one.view.url.split(":")[2].split("/")[0]
-            for status, line, headers in ((403, "GET / HTTP/1.1", {"host": f"evil.example:{port}"}), (403, "GET / HTTP/1.1", {"host": None}),
-                                          (403, "GET / HTTP/1.1", {"host": "127.0.0.1"}), (404, "GET /x HTTP/1.1", {}),
-                                          (404, "GET //x HTTP/1.1", {}), (405, "POST / HTTP/1.1", {}), (405, "OPTIONS / HTTP/1.1", {})):
+            for status, line, headers in (
+                (403, "GET / HTTP/1.1", {"host": f"evil.example:{port}"}),
+                (403, "GET / HTTP/1.1", {"host": None}),
+                (403, "GET / HTTP/1.1", {"host": "127.0.0.1"}),
+                (404, "GET /x HTTP/1.1", {}),
+                (404, "GET //x HTTP/1.1", {}),
+                (405, "POST / HTTP/1.1", {}),
+                (405, "OPTIONS / HTTP/1.1", {}),
+            ):
                 with Page(one.view.url) as page:
                     self.assertEqual(page.ask(line, **headers)[0], status, (line, headers))
-            for status, headers in ((403, {"origin": "http://evil.example"}), (403, {"origin": None}), (403, {"origin": "null"}),
-                                    (403, {"origin": f"https://127.0.0.1:{port}"}), (403, {"origin": f"http://localhost:{port}"}),
-                                    (403, {"host": f"evil.example:{port}", "origin": f"http://evil.example:{port}"}),
-                                    (400, {"sec_websocket_protocol": "chat"}), (400, {"upgrade": "h2c"})):
+            for status, headers in (
+                (403, {"origin": "http://evil.example"}),
+                (403, {"origin": None}),
+                (403, {"origin": "null"}),
+                (403, {"origin": f"https://127.0.0.1:{port}"}),
+                (403, {"origin": f"http://localhost:{port}"}),
+                (403, {"host": f"evil.example:{port}", "origin": f"http://evil.example:{port}"}),
+                (400, {"sec_websocket_protocol": "chat"}),
+                (400, {"upgrade": "h2c"}),
+            ):
                 with Page(one.view.url) as page:
                     self.assertEqual(page.upgrade(**headers), status, headers)
             with Page(one.view.url.replace("127.0.0.1", "localhost")) as page:
@@ -237,14 +285,26 @@ class View(unittest.TestCase):
             self.assertEqual(one.view.pages, 0)
 
     def test_a_page_that_says_what_it_should_not_goes(self):
-        cases = {"binary": dict(first=0x82), "a fragment": dict(first=0x01), "a reserved bit": dict(first=0xC1), "unmasked": dict(masked=False)}
+        cases = {
+            "binary": dict(first=0x82),
+            "a fragment": dict(first=0x01),
+            "a reserved bit": dict(first=0xC1),
+            "unmasked": dict(masked=False),
+        }
         with Running() as one:
             for name, how in cases.items():
                 with Page(one.view.url) as page:
                     page.join()
                     page.say("ready", **how)
                     self.assertEqual(page.closed_with(), POLICY, name)
-            for words in (["hello"], ["drawn"], ["ready", "ready"], ["x" * 5000], ["hand 0 0 0"], ["ready", "drawn", "drawn", "drawn", "drawn"]):
+            for words in (
+                ["hello"],
+                ["drawn"],
+                ["ready", "ready"],
+                ["x" * 5000],
+                ["hand 0 0 0"],
+                ["ready", "drawn", "drawn", "drawn", "drawn"],
+            ):
                 with Page(one.view.url) as page:
                     page.join()
                     for word in words:
@@ -283,7 +343,7 @@ class View(unittest.TestCase):
     def test_a_hand_is_steered_where_that_was_allowed(self):
         with Running("sim:?hand=hold&live=1", control=True) as one, Page(one.view.url) as page:
             first = page.join()
-            box = json.loads(first[8:8 + struct.unpack_from("<I", first, 4)[0]])["device"]["workspace"]
+            box = json.loads(first[8 : 8 + struct.unpack_from("<I", first, 4)[0]])["device"]["workspace"]
             page.say("ready")
             aim = np.array([0.03, 0.15, 0.01])  # of the device, whose workspace is that box; clear of the liver
             low, high = np.reshape(box, (2, 3))
@@ -294,7 +354,10 @@ class View(unittest.TestCase):
                     other.join()
                     other.say(words)
                     self.assertEqual(other.closed_with(), POLICY, words)
-        with dp.Scene("liver", info=dp.Device("sim:").info) as scene, self.assertRaisesRegex(ValueError, "control: only a simulated hand"):
+        with (
+            dp.Scene("liver", info=dp.Device("sim:").info) as scene,
+            self.assertRaisesRegex(ValueError, "control: only a simulated hand"),
+        ):
             scene.view(control=True)
 
     def test_a_view_ends_with_its_scene(self):
@@ -350,11 +413,15 @@ class View(unittest.TestCase):
                 scene.run()
             environment = {**os.environ, "PYTHONPATH": room, "PYTHONUNBUFFERED": "1"}
             for words, mode in (([record], "recording"), (["liver"], "live"), (["liver", "--control"], "live")):
-                with subprocess.Popen([sys.executable, "-m", "dynpoint", "view", *words, "--for", "60"], env=environment, text=True,
-                                      stdout=subprocess.PIPE) as ran:
+                with subprocess.Popen(
+                    [sys.executable, "-m", "dynpoint", "view", *words, "--for", "60"],
+                    env=environment,
+                    text=True,
+                    stdout=subprocess.PIPE,
+                ) as ran:
                     with Page(re.search(r"http:\S+", ran.stdout.readline())[0]) as page:
                         first = page.join()
-                        told = json.loads(first[8:8 + struct.unpack_from("<I", first, 4)[0]])
+                        told = json.loads(first[8 : 8 + struct.unpack_from("<I", first, 4)[0]])
                         self.assertEqual((told["mode"], told["control"]), (mode, "--control" in words))
                         page.say("ready")
                         kinds = []
@@ -364,8 +431,16 @@ class View(unittest.TestCase):
                                 page.say("drawn")
                         self.assertGreater(kinds.count(2), 5)
                     ran.terminate()
-            told = subprocess.run([sys.executable, "-m", "dynpoint", "view", "liver", "--law", "bed"], env=environment, capture_output=True, text=True)
-            self.assertEqual((told.returncode, told.stderr), (2, "dynpoint view: --law needs libwebsockets (Debian: libwebsockets17)\n"))
+            told = subprocess.run(
+                [sys.executable, "-m", "dynpoint", "view", "liver", "--law", "bed"],
+                env=environment,
+                capture_output=True,
+                text=True,
+            )
+            self.assertEqual(
+                (told.returncode, told.stderr),
+                (2, "dynpoint view: --law needs libwebsockets (Debian: libwebsockets17)\n"),
+            )
 
 
 main()

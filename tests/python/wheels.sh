@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# The wheels of a release, in make check-release: sh tests/python/wheels.sh [BUILD=build]. For x86-64 and for AArch64 they are made
-# by zig for an old glibc; they are installed where there is no compiler, and answer as the C program does, on AArch64 in an
-# emulator. And pyvista's meshes; packages come from PyPI.
+# The wheels of a release, in make check-release: sh tests/python/wheels.sh [BUILD=build]. For x86-64 and for AArch64
+# they are made by zig for an old glibc; they are installed where there is no compiler, and answer as the C program
+# does, on AArch64 in an emulator. And pyvista's meshes; packages come from PyPI.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 . tests/lib/verdict.sh
@@ -32,7 +32,8 @@ verdict $? "the program's own answers, see $log"
 # wheel MACHINE [ROOT]: it is made, for no newer a glibc than 2.28; then $wheel is its file.
 wheel() {
     rm -f "build/manylinux-$1"/*.whl
-    (unset CC && PATH=$made:$PATH make -s -j"${JOBS:-2}" wheel-release WHEEL_FOR="$1" WHEEL_ROOT="${2:-}" PYTHON="$made/python") >>"$log" 2>&1
+    (unset CC && PATH=$made:$PATH make -s -j"${JOBS:-2}" wheel-release WHEEL_FOR="$1" WHEEL_ROOT="${2:-}" \
+        PYTHON="$made/python") >>"$log" 2>&1
     wheel=$(echo "build/manylinux-$1"/dynpoint-*-cp311-abi3-manylinux_2_2[0-8]_"$1".whl)
     [ -f "$wheel" ]
     verdict $? "a wheel for $1: ${wheel##*/}"
@@ -44,7 +45,8 @@ mkdir "$room/programs"
 PATH=$room/programs "$build/venv-wheels/bin/python" -m venv "$room/empty" >>"$log" 2>&1 &&
     PATH=$room/programs "$room/empty/bin/python" -m pip install --quiet --disable-pip-version-check "$wheel" >>"$log" 2>&1
 verdict $? "it installs into an empty virtual environment, without a compiler"
-(cd "$room" && PATH=$room/programs "$room/empty/bin/python" "$OLDPWD/tests/python/bits.py" "$organ" $unit trace.csv liver.dpa told.csv) >"$room/here" 2>>"$log"
+(cd "$room" && PATH=$room/programs "$room/empty/bin/python" "$OLDPWD/tests/python/bits.py" "$organ" $unit trace.csv \
+    liver.dpa told.csv) >"$room/here" 2>>"$log"
 verdict $? "there it answers as the C program, bit for bit: $(sed -n 's/^as C //p' "$room/here")"
 
 if [ -f "$foreign/complete" ] && command -v qemu-aarch64-static >/dev/null; then
@@ -52,7 +54,8 @@ if [ -f "$foreign/complete" ] && command -v qemu-aarch64-static >/dev/null; then
     rm -rf "$room/site"
     mkdir "$room/site" && (cd "$room/site" && "$made/python" -m zipfile -e "$OLDPWD/$wheel" .)
     verdict $? "it is unpacked"
-    (cd "$room" && PYTHONPATH=$room/site:$foreign/site qemu-aarch64-static -L "$foreign/root" "$foreign/root/usr/bin/python3.11" \
+    (cd "$room" && PYTHONPATH=$room/site:$foreign/site qemu-aarch64-static -L "$foreign/root" \
+        "$foreign/root/usr/bin/python3.11" \
         "$OLDPWD/tests/python/bits.py" "$organ" $unit trace.csv liver.dpa told.csv) >"$room/there" 2>>"$log"
     verdict $? "on AArch64 it answers as the C program"
     check "and as the wheel for x86-64, also a soft scene" cmp "$room/here" "$room/there"
@@ -60,6 +63,7 @@ else
     skip "the wheel for AArch64: no Python for it, or no emulator (make deps wheels cross)"
 fi
 if [ -d "$build/python/site" ]; then
-    count "pyvista" env PYTHONPATH="$build/python/site" DYNPOINT_BUILD="$build" "$made/python" -W ignore tests/python/files.py
+    count "pyvista" env PYTHONPATH="$build/python/site" DYNPOINT_BUILD="$build" \
+        "$made/python" -W ignore tests/python/files.py
 fi
 finish

@@ -24,7 +24,8 @@ int scene_view_can_steer(const struct scene *scene, const struct scene_hand *han
            dpt_device_steer(hand->device, origin) == DPT_OK;
 }
 
-struct scene_view *scene_view_open(const struct scene *scene, const char *title, const struct scene_hand *hand, int control)
+struct scene_view *scene_view_open(const struct scene *scene, const char *title, const struct scene_hand *hand,
+                                   int control)
 {
     const struct scene_picture picture = { .title = title,
                                            .mode = "live",

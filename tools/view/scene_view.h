@@ -11,7 +11,7 @@ struct scene;
 struct scene_hand;
 struct scene_view;
 
-/* Whether `hand`, in the scene, is a simulated one that goes where it is steered. One that is steered to where it is stays. */
+/* Whether `hand` is a simulated one, which goes where it is steered; from now on it is steered to its origin. */
 int scene_view_can_steer(const struct scene *scene, const struct scene_hand *hand);
 
 /*
@@ -19,7 +19,8 @@ int scene_view_can_steer(const struct scene *scene, const struct scene_hand *han
  *   control   the page may steer the hand: scene_view_can_steer
  * NULL: memory ran out.
  */
-struct scene_view *scene_view_open(const struct scene *scene, const char *title, const struct scene_hand *hand, int control);
+struct scene_view *scene_view_open(const struct scene *scene, const char *title, const struct scene_hand *hand,
+                                   int control);
 
 /* The same of a host, between its ticks. `device` is how its device was named; NULL: it has none that was. */
 int scene_view_can_steer_host(const dpt_host *host);

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The package of Python: one extension on the limited API of 3.11, of the core, the compiler, the drivers, the host and the
-# sources here; the program beside it; the typed package on top. setup.py calls this for its two files, and packs them.
+# The package of Python: one extension on the limited API of 3.11, of the core, the compiler, the drivers, the host and
+# the sources here; the program beside it; the typed package on top. setup.py calls this for its two files, and packs
+# them.
 PY := $(B)/python
 # From any folder.
 PY_PYTHON = $(if $(findstring /,$(PYTHON)),$(abspath $(PYTHON)),$(PYTHON))
@@ -37,21 +38,25 @@ wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make 
 	cd $(PY)/package && DYNPOINT_TREE='$(CURDIR)' DYNPOINT_PARTS='$(abspath $(PY)/parts)' $(PY_PYTHON) setup.py --quiet bdist_wheel --dist-dir ..
 	@ls $(PY)/dynpoint-*.whl
 
-# zig's compiler links to the glibc that it is told, by headers of its own: those of jansson, which goes in, and of libccd, which
-# does not, are copied out of the system's, or out of WHEEL_ROOT, where Debian's packages for another machine are unpacked. No
-# library of C++ that zig links to is urdfdom's, and libwebsockets is not asked for: Python's own server is there.
+# zig's compiler links to the glibc that it is told, by headers of its own: those of jansson, which goes in, and of
+# libccd, which does not, are copied out of the system's, or out of WHEEL_ROOT, where Debian's packages for another
+# machine are unpacked. No library of C++ that zig links to is urdfdom's, and libwebsockets is not asked for: Python's
+# own server is there.
 WHEEL_FOR ?= x86_64
 WHEEL_ROOT ?=
 MANYLINUX := build/manylinux-$(WHEEL_FOR)
 WHEEL_LIBS := $(WHEEL_ROOT)/usr/lib/$(WHEEL_FOR)-linux-gnu
-WHEEL_HEADERS = $(wildcard $(foreach name,jansson.h jansson_config.h ccd,$(WHEEL_ROOT)/usr/include/$(name) $(WHEEL_ROOT)/usr/include/$(WHEEL_FOR)-linux-gnu/$(name)))
-wheel-release: ## the same for any Linux with glibc 2.28 (make deps wheels), with jansson inside; WHEEL_FOR=aarch64 WHEEL_ROOT=FOLDER: for another machine
+WHEEL_HEADERS = $(wildcard $(foreach name,jansson.h jansson_config.h ccd, \
+  $(WHEEL_ROOT)/usr/include/$(name) $(WHEEL_ROOT)/usr/include/$(WHEEL_FOR)-linux-gnu/$(name)))
+wheel-release: ## the same for any Linux with glibc 2.28 (make deps wheels), with jansson inside; WHEEL_FOR=aarch64: for another machine
 	rm -rf $(MANYLINUX)/include $(MANYLINUX)/dynpoint-*.whl && mkdir -p $(MANYLINUX)/include
 	cp -R $(WHEEL_HEADERS) $(MANYLINUX)/include
-	DYNPOINT_PLATFORM=linux_$(WHEEL_FOR) $(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target $(WHEEL_FOR)-linux-gnu.2.28' URDF=no LWS=no LDFLAGS=-Wl,-s \
+	DYNPOINT_PLATFORM=linux_$(WHEEL_FOR) $(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target $(WHEEL_FOR)-linux-gnu.2.28' \
+	  URDF=no LWS=no LDFLAGS=-Wl,-s \
 	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/include' JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
 	  CONVEX=yes CONVEX_CFLAGS='-I$(MANYLINUX)/include' CONVEX_LIBS='$(WHEEL_LIBS)/libccd.so'
-	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$(if $(findstring /,$(PYTHON)),$(dir $(PY_PYTHON)):)$$PATH" auditwheel repair --plat auto --exclude libccd.so.2 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
+	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$(if $(findstring /,$(PYTHON)),$(dir $(PY_PYTHON)):)$$PATH" \
+	  auditwheel repair --plat auto --exclude libccd.so.2 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
 
 sdist: $(if $(filter yes made,$(VIEW_PAGE)),build/view/page.html) ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	@rm -f $(PY)/dynpoint-*.tar.gz
@@ -60,7 +65,8 @@ sdist: $(if $(filter yes made,$(VIEW_PAGE)),build/view/page.html) ## its sources
 	cp -R Makefile LICENSE include src drivers tools $(PY)/sdist/tree
 	cp tests/tests.mk $(PY)/sdist/tree/tests
 	cp tests/abi/layouts.txt $(PY)/sdist/tree/tests/abi
-	$(if $(filter yes made,$(VIEW_PAGE)),mkdir -p $(PY)/sdist/tree/build/view && cp build/view/page.html build/view/page.csp $(PY)/sdist/tree/build/view)
+	$(if $(filter yes made,$(VIEW_PAGE)),mkdir -p $(PY)/sdist/tree/build/view && \
+	  cp build/view/page.html build/view/page.csp $(PY)/sdist/tree/build/view)
 	printf 'graft tree\nglobal-exclude *.pyc *.so program\n' >$(PY)/sdist/MANIFEST.in
 	cd $(PY)/sdist && $(PY_PYTHON) setup.py --quiet sdist --dist-dir ..
 	@ls $(PY)/dynpoint-*.tar.gz
@@ -79,7 +85,8 @@ $(PY)/built_with.h: force
 	@{ echo '#define DPT_DRIVERS $(patsubst %,DRIVER(%),$(DRIVERS))'; \
 	   echo '#define DPT_BACK_ENDS $(foreach name,$(BACK_ENDS),"$(name)",)'; \
 	   echo '#define DPT_LOADS_CONVEX'; \
-	   for part in $(DRIVERS) $(if $(SCENE_FILE),jansson) urdf convex lws $(if $(filter yes made,$(VIEW_PAGE)),view_page); do echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
+	   for part in $(DRIVERS) $(if $(SCENE_FILE),jansson) urdf convex lws $(if $(filter yes made,$(VIEW_PAGE)),view_page); do \
+	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 
 $(PY)/parts/_dynpoint.abi3.so: $(PY_OBJECTS)

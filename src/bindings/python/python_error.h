@@ -3,8 +3,10 @@
 #ifndef PYTHON_ERROR_H
 #define PYTHON_ERROR_H
 
-/* The limited API of Python 3.11: one binary for it and all later ones. Builds without Python's lock have no such API; there
- * the extension is built for that Python alone, and takes its lock back. */
+/*
+ * The limited API of Python 3.11: one binary for it and all later ones. Builds without Python's lock have no such API;
+ * there the extension is built for that Python alone, and takes its lock back.
+ */
 #include <pyconfig.h>
 #if !defined(Py_LIMITED_API) && !defined(Py_GIL_DISABLED)
 #define Py_LIMITED_API 0x030B0000

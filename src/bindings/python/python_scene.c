@@ -19,8 +19,8 @@ typedef struct dpy_scene {
     PyObject *felt;   /* called after each tick, or NULL */
     PyObject *state, *wrench;
     Py_buffer state_view, wrench_view;
-    dpy_world *world; /* that was given away, and is there still; or NULL */
-    int in_felt;      /* its function runs now: the scene is open to it */
+    dpy_world *world;        /* that was given away, and is there still; or NULL */
+    int in_felt;             /* its function runs now: the scene is open to it */
     struct scene_view *view; /* what a viewer gets, or NULL; Python's lock keeps it */
 } dpy_scene;
 
@@ -375,7 +375,7 @@ static PyObject *scene_get_body(PyObject *object, PyObject *index)
     return PyLong_FromUnsignedLong(dpt_host_get_body(((dpy_scene *)object)->host, (uint32_t)number));
 }
 
-/* view_begin(title, device, control): the first message of a viewer, whose frames are of the ticks from now on. No device: "". */
+/* view_begin(title, device or "", control): a viewer's first message; its frames are of the ticks from now on. */
 static PyObject *scene_view_begin(PyObject *object, PyObject *args)
 {
     dpy_scene *self = (dpy_scene *)object;
@@ -390,10 +390,12 @@ static PyObject *scene_view_begin(PyObject *object, PyObject *args)
     if (self->view) {
         PyErr_SetString(PyExc_RuntimeError, "Scene.view: it is viewed already; close that view first");
     } else if (control && !scene_view_can_steer_host(host)) {
-        PyErr_SetString(PyExc_ValueError, "control: only a simulated hand can be steered, as that of 'sim:?hand=hold&live=1'");
+        PyErr_SetString(PyExc_ValueError,
+                        "control: only a simulated hand can be steered, as that of 'sim:?hand=hold&live=1'");
     } else {
         self->view = scene_view_open_host(host, title, device[0] ? device : NULL, control);
-        const struct view_message first = self->view ? scene_view_first(self->view) : (struct view_message){ .size = 0 };
+        const struct view_message first =
+            self->view ? scene_view_first(self->view) : (struct view_message){ .size = 0 };
         answer = self->view ? PyBytes_FromStringAndSize(first.bytes, (Py_ssize_t)first.size) : PyErr_NoMemory();
     }
     dpy_owner_leave(&self->owner);

@@ -25,7 +25,8 @@ class Build(build_ext):
         parts = os.environ.get("DYNPOINT_PARTS")
         if not parts:
             subprocess.run(["make", f"-j{os.cpu_count() or 1}", "-s", "python-parts", f"PYTHON={sys.executable}",
-                            f"VIEW_PAGE={'made' if (ROOT / 'build/view/page.html').exists() else 'no'}"], cwd=ROOT, check=True)
+                            f"VIEW_PAGE={'made' if (ROOT / 'build/view/page.html').exists() else 'no'}"],
+                           cwd=ROOT, check=True)
             parts = ROOT / "build/python/parts"
         target = Path(self.get_ext_fullpath(ext.name))
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -47,4 +48,5 @@ class Wheel(bdist_wheel):
 # A build of Python without its lock has no limited API (python_error.h).
 LIMITED = not sysconfig.get_config_var("Py_GIL_DISABLED")
 setup(version=VERSION, ext_modules=[Extension("dynpoint._dynpoint", [], py_limited_api=LIMITED)],
-      cmdclass={"build_ext": Build, "bdist_wheel": Wheel}, options={"bdist_wheel": {"py_limited_api": "cp311"}} if LIMITED else {})
+      cmdclass={"build_ext": Build, "bdist_wheel": Wheel}, 
+      options={"bdist_wheel": {"py_limited_api": "cp311"}} if LIMITED else {})

@@ -17,6 +17,6 @@ __all__ = [
     "ARM_INFO", "ARM_JOINT", "ARM_LINK", "Arm", "Body", "CONTACT", "Contact", "DEVICE_COUNTS", "DEVICE_INFO", "DEVICE_STATE",
     "DeformableBody", "Device", "DeviceStatus", "Error", "FORCE", "Force", "ForceFlag", "GUARD_INFO", "Guard", "GuardState",
     "HIT", "HOST_INFO", "Hit", "LOAD", "LOOP_STATS", "Loop", "MESH_INFO", "Mesh", "RECORD", "Reason", "Recording", "SEGMENT",
-    "SPRINGS_INFO", "SPRING_REGION", "STEP", "SWEEP", "Scene", "Springs", "Status", "TOOL_LOAD", "Tool", "UNITS", "View", "WORLD_INFO",
-    "World", "constants", "make_segments", "scene_names",
+    "SPRINGS_INFO", "SPRING_REGION", "STEP", "SWEEP", "Scene", "Springs", "Status", "TOOL_LOAD", "Tool", "UNITS",
+    "View", "WORLD_INFO", "World", "constants", "make_segments", "scene_names",
 ]

@@ -126,9 +126,10 @@ class Guard(_dynpoint.Guard):
 
 
 class Loop:
-    """A loop at the device's rate whose tick is yours: tick(state, wrench, dt) fills `wrench`, 6 numbers that begin as zero,
-    or returns 6. A guard of the library stands before the motors. An exception, Ctrl-C and sys.exit in it send zero force,
-    end the loop and go on. Keywords are those of dpt_loop_def, as rate; `guard` is a dict of dpt_guard_def's."""
+    """A loop at the device's rate whose tick is yours: tick(state, wrench, dt) fills `wrench`, 6 numbers that begin as
+    zero, or returns 6. A guard of the library stands before the motors. An exception, Ctrl-C and sys.exit in it send
+    zero force, end the loop and go on. Keywords are those of dpt_loop_def, as rate; `guard` is a dict of
+    dpt_guard_def's."""
 
     __slots__ = ("device", "tick", "guard", "settings")
 
@@ -175,9 +176,10 @@ def _body(item: _Placed) -> Tuple[Any, Any, Any, Any, Any]:
 
 
 class Scene(_Closes, _dynpoint.Scene):
-    """A scene that is felt with a device, and safely so: what `dynpoint run` does. `scene` is a name (scene_names()), a scene
-    file, a compiled mesh or arm; or `bodies` are your own meshes. The loop is the library's, `run`; or yours, `tick`, for a
-    scene without a device, which `info` describes. Keywords are those of dpt_host_def, as stiffness or record.
+    """A scene that is felt with a device, and safely so: what `dynpoint run` does. `scene` is a name (scene_names()), a
+    scene file, a compiled mesh or arm; or `bodies` are your own meshes. The loop is the library's, `run`; or yours,
+    `tick`, for a scene without a device, which `info` describes. Keywords are those of dpt_host_def, as stiffness or
+    record.
 
     >>> with Scene("liver", "sim:?hand=press", ticks=1000) as scene:
     ...     stats = scene.run()
@@ -214,8 +216,8 @@ class Scene(_Closes, _dynpoint.Scene):
         return self
 
     def run(self) -> Any:
-        """Serve the device in this thread: until `ticks`, `stop`, Ctrl-C, or when it is lost. Python's other threads go on.
-        What happened (dpt_loop_stats); `note` has what a person should know."""
+        """Serve the device in this thread: until `ticks`, `stop`, Ctrl-C, or when it is lost. Python's other threads go
+        on. What happened (dpt_loop_stats); `note` has what a person should know."""
         stats = room(LOOP_STATS)
         self.note = self.run_into(stats)
         return stats[0]
@@ -234,9 +236,10 @@ class Scene(_Closes, _dynpoint.Scene):
 
     def view(self, *, control: bool = False, open: bool = False, port: int = 0, frames: Iterable[str] = (),
              title: Optional[str] = None) -> View:
-        """A page in a browser that shows the scene while it runs: begin before `run`. It is served by Python's own server, to
-        this machine alone, and needs a token, which is in View.url. `control` lets the page move a simulated hand. In a
-        notebook it shows itself; `frames` are the origins of other pages that may have it in a frame of theirs."""
+        """A page in a browser that shows the scene while it runs: begin before `run`. It is served by Python's own
+        server, to this machine alone, and needs a token, which is in View.url. `control` lets the page move a simulated
+        hand. In a notebook it shows itself; `frames` are the origins of other pages that may have it in a frame of
+        theirs."""
         view = view_scene(self, self._device_name, title or self.name, control, port, frames)
         self._view = view
         if open:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The server of a viewer's page: what tools/view/server does by libwebsockets, by Python's own http.server. docs/view.md has
-its messages and whom it refuses. The page is the program's, so it wants a web socket; of that protocol (RFC 6455) only what the
-page uses is spoken: whole messages, text from the page, bytes to it."""
+"""The server of a viewer's page: what tools/view/server does by libwebsockets, by Python's own http.server.
+docs/view.md has its messages and whom it refuses. The page is the program's, so it wants a web socket; of that protocol
+(RFC 6455) only what the page uses is spoken: whole messages, text from the page, bytes to it."""
+
 from __future__ import annotations
 
 import base64
@@ -51,7 +52,13 @@ class _Socket:
     def send(self, code: int, content: bytes) -> None:
         size = len(content)
         head = bytes([0x80 | code])
-        head += bytes([size]) if size < 126 else struct.pack(">BH", 126, size) if size < 65536 else struct.pack(">BQ", 127, size)
+        head += (
+            bytes([size])
+            if size < 126
+            else struct.pack(">BH", 126, size)
+            if size < 65536
+            else struct.pack(">BQ", 127, size)
+        )
         with self.lock:
             if not self.is_closing:
                 self.is_closing = code == _CLOSE
@@ -114,9 +121,9 @@ class _Client:
         """The newest one; what this client was not sent is counted in it."""
         server = self.server
         frame, self.serial = bytearray(server.newest), server.serial
-        number, = struct.unpack_from("<Q", frame, _NUMBER)
-        lost, = struct.unpack_from("<Q", frame, _LOST)
-        ticks, = struct.unpack_from("<I", frame, _TICKS)
+        (number,) = struct.unpack_from("<Q", frame, _NUMBER)
+        (lost,) = struct.unpack_from("<Q", frame, _LOST)
+        (ticks,) = struct.unpack_from("<I", frame, _TICKS)
         if self.frames == 0:
             self.first_number, self.ticks_until = number, server.ticks_before
         self.ticks_missed += server.ticks_before - self.ticks_until
@@ -143,8 +150,11 @@ class _Client:
                 self.link.send(_BYTES, message)
             while True:
                 with server.changed:
-                    server.changed.wait_for(lambda: self.is_gone or server.end is not None
-                                            or (self.is_hungry() and self.serial < server.serial))
+                    server.changed.wait_for(
+                        lambda: (
+                            self.is_gone or server.end is not None or (self.is_hungry() and self.serial < server.serial)
+                        )
+                    )
                     if self.is_gone:
                         return
                     frame = self._frame() if self.is_hungry() and self.serial < server.serial else None
@@ -219,10 +229,17 @@ class _Handler(BaseHTTPRequestHandler):
         if status != HTTPStatus.OK:
             self.server.refused += 1
         self.send_response(status)
-        for name, value in (("content-security-policy", self.server.policy()), ("x-content-type-options", "nosniff"),
-                            ("referrer-policy", "no-referrer"), ("cross-origin-resource-policy", "same-origin"),
-                            ("cross-origin-opener-policy", "same-origin"), ("cache-control", "no-store"),
-                            ("content-type", kind), ("content-length", str(len(content))), ("connection", "close")):
+        for name, value in (
+            ("content-security-policy", self.server.policy()),
+            ("x-content-type-options", "nosniff"),
+            ("referrer-policy", "no-referrer"),
+            ("cross-origin-resource-policy", "same-origin"),
+            ("cross-origin-opener-policy", "same-origin"),
+            ("cache-control", "no-store"),
+            ("content-type", kind),
+            ("content-length", str(len(content))),
+            ("connection", "close"),
+        ):
             self.send_header(name, value)
         self.end_headers()
         if self.command != "HEAD":
@@ -258,16 +275,25 @@ class _Handler(BaseHTTPRequestHandler):
         offered = [word.strip() for word in self.headers.get("sec-websocket-protocol", "").split(",")]
         if self.headers.get_all("origin", []) != ["http://" + self.headers["host"]]:
             return self._answer(HTTPStatus.FORBIDDEN)
-        if (self.headers["upgrade"].lower() != "websocket" or self.headers.get("sec-websocket-version") != "13"
-                or PROTOCOL not in offered or len(key) != 24 or self.command != "GET"):
+        if (
+            self.headers["upgrade"].lower() != "websocket"
+            or self.headers.get("sec-websocket-version") != "13"
+            or PROTOCOL not in offered
+            or len(key) != 24
+            or self.command != "GET"
+        ):
             return self._answer(HTTPStatus.BAD_REQUEST)
         if not self.server.has_room():
             return self._answer(HTTPStatus.SERVICE_UNAVAILABLE)
         self.close_connection = True
         proof = hashlib.sha1(key.encode() + b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11", usedforsecurity=False).digest()
         self.send_response(HTTPStatus.SWITCHING_PROTOCOLS)
-        for name, value in (("upgrade", "websocket"), ("connection", "Upgrade"), ("sec-websocket-protocol", PROTOCOL),
-                            ("sec-websocket-accept", base64.b64encode(proof).decode())):
+        for name, value in (
+            ("upgrade", "websocket"),
+            ("connection", "Upgrade"),
+            ("sec-websocket-protocol", PROTOCOL),
+            ("sec-websocket-accept", base64.b64encode(proof).decode()),
+        ):
             self.send_header(name, value)
         self.end_headers()
         self._speak(_Socket(self.connection))
@@ -326,14 +352,24 @@ class ViewServer(ThreadingHTTPServer):
     block_on_close = False
     request_queue_size = CONNECTIONS
 
-    def __init__(self, first: Sequence[bytes], next: Optional[Callable[[], Optional[bytes]]] = None,
-                 steer: Optional[Steer] = None, *, port: int = 0, end: Optional[str] = None, frames: Iterable[str] = ()) -> None:
+    def __init__(
+        self,
+        first: Sequence[bytes],
+        next: Optional[Callable[[], Optional[bytes]]] = None,
+        steer: Optional[Steer] = None,
+        *,
+        port: int = 0,
+        end: Optional[str] = None,
+        frames: Iterable[str] = (),
+    ) -> None:
         folder = Path(__file__).parent
         try:
             self.page = (folder / "page.html").read_bytes()
             self.page_policy = (folder / "page.csp").read_text().strip()
         except FileNotFoundError:
-            raise RuntimeError("this package was built without the viewer's page: make deps view, then make wheel") from None
+            raise RuntimeError(
+                "this package was built without the viewer's page: make deps view, then make wheel"
+            ) from None
         self.first, self.next, self.steer = list(first), next, steer
         self.frame_origins = list(frames)
         self.token = secrets.token_hex(16)
@@ -396,7 +432,9 @@ class ViewServer(ThreadingHTTPServer):
         """For frames, while a page waits for one."""
         while not self.is_closed:
             with self.changed:
-                self.changed.wait_for(lambda: self.is_closed or (self.end is None and any(c.is_hungry() for c in self.clients)))
+                self.changed.wait_for(
+                    lambda: self.is_closed or (self.end is None and any(c.is_hungry() for c in self.clients))
+                )
             if self.next and not self.is_closed:
                 self._take(self.next())
             time.sleep(1 / FRAMES_A_SECOND)
@@ -443,7 +481,7 @@ def messages_of(page: bytes) -> Tuple[bytes, ...]:
     content = base64.b64decode(found[1])
     messages, at = [], 0
     while at < len(content):
-        size, = struct.unpack_from("<Q", content, at)
-        messages.append(content[at + 8:at + 8 + size])
+        (size,) = struct.unpack_from("<Q", content, at)
+        messages.append(content[at + 8 : at + 8 + size])
         at += 8 + (size + 7) // 8 * 8
     return tuple(messages)

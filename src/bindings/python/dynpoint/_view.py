@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A page in a browser that shows a scene that is felt: Scene.view, and `python3 -m dynpoint view` where the system has no
 libwebsockets."""
+
 from __future__ import annotations
 
 import argparse
@@ -39,8 +40,8 @@ def _close_soon(server: ViewServer) -> None:
 
 
 class View:
-    """A page at `url` that shows a scene, until `close`, or until its scene closes. In a notebook it is shown in place. The
-    address is a secret: who has it sees the scene, and with `control` moves its hand."""
+    """A page at `url` that shows a scene, until `close`, or until its scene closes. In a notebook it is shown in place.
+    The address is a secret: who has it sees the scene, and with `control` moves its hand."""
 
     def __init__(self, server: ViewServer, title: str, scene: Optional[Scene] = None) -> None:
         self._server, self.title = server, title
@@ -85,14 +86,17 @@ class View:
             return html.escape(repr(self))
         if not self._server.frame_origins:
             self._server.frame_origins = list(NOTEBOOKS)
-        return (f'<iframe src="{html.escape(self.url)}" title="{html.escape(self.title)}" width="100%" height="520" '
-                'style="border:0" sandbox="allow-scripts allow-same-origin" referrerpolicy="no-referrer"></iframe>')
+        return (
+            f'<iframe src="{html.escape(self.url)}" title="{html.escape(self.title)}" width="100%" height="520" '
+            'style="border:0" sandbox="allow-scripts allow-same-origin" referrerpolicy="no-referrer"></iframe>'
+        )
 
     def __enter__(self) -> View:
         return self
 
-    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
-                 trace: Optional[TracebackType]) -> None:
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
         self.close()
 
     def __reduce__(self) -> str:
@@ -103,7 +107,7 @@ class View:
 
 
 def view_scene(scene: Scene, device: Optional[str], title: str, control: bool, port: int, frames: Iterable[str]) -> View:
-    first = scene.view_begin(os.fsencode(title), os.fsencode(device or ''), control)
+    first = scene.view_begin(os.fsencode(title), os.fsencode(device or ""), control)
     there = weakref.ref(scene)
 
     def next_frame() -> Optional[bytes]:
@@ -154,7 +158,12 @@ def _of_program(words: List[str]) -> List[bytes]:
 
 def serves(words: List[str]) -> bool:
     """Whether these words of a command line want a page served: else they are the program's alone."""
-    return words[:1] == ["view"] and len(words) > 1 and words[1] != "complete" and not {"-o", "--help", "-h"}.intersection(words)
+    return (
+        words[:1] == ["view"]
+        and len(words) > 1
+        and words[1] != "complete"
+        and not {"-o", "--help", "-h"}.intersection(words)
+    )
 
 
 def command(words: List[str]) -> int:
@@ -191,6 +200,7 @@ def _tell(view: View, is_opened: bool) -> None:
 
 def _show_scene(chosen: argparse.Namespace) -> int:
     from ._device import Scene
+
     device = chosen.device or ("sim:?hand=hold&live=1" if chosen.control else "sim:?hand=press&live=1")
     try:
         with Scene(chosen.what, device, tool=chosen.tool) as scene:

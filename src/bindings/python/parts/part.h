@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What of the package needs a library that a system may lack: it lies beside the extension and the program as a library of
- * its own, and is loaded when it is first asked for.
+ * What of the package needs a library that a system may lack: it lies beside the extension and the program as a library
+ * of its own, and is loaded when it is first asked for.
  */
 #ifndef PYTHON_PART_H
 #define PYTHON_PART_H

@@ -21,8 +21,8 @@ const char *convex_library_fault(void)
     return dpy_part_find(&convex, "dpt_convex_corners") ? NULL : convex.fault;
 }
 
-dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t sides, double *corners, uint32_t capacity, uint32_t *count,
-                              double *error)
+dpt_result dpt_convex_corners(const dpt_convex_shape *shape, uint32_t sides, double *corners, uint32_t capacity,
+                              uint32_t *count, double *error)
 {
     dpt_result (*call)(const dpt_convex_shape *, uint32_t, double *, uint32_t, uint32_t *, double *);
     find("dpt_convex_corners", &call, sizeof call);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* view_server.h, where the system has libwebsockets. Without it `python3 -m dynpoint view` serves by Python's own server. */
+/* view_server.h, where the system has libwebsockets. Else `python3 -m dynpoint view` serves by Python's own server. */
 #include "view/server/view_server.h"
 
 #include <string.h>
