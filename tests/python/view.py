@@ -378,6 +378,7 @@ class View(unittest.TestCase):
         gc.collect()
         until("it closes with what it shows", lambda: again.closed)
         until("nobody answers", lambda: not answers(again.url))
+        until("no thread stays", lambda: not any(one.name.startswith("dynpoint") for one in threading.enumerate()))
 
     @unittest.skipUnless(CHROMIUM, "no chromium")
     def test_a_browser_draws_what_runs(self):
