@@ -116,6 +116,7 @@ int dpti_patch_prefer_pairs(struct proxy_tick *tick, struct patch_view *view)
     if (!has_changed)
         return 0;
     tick->space_count = tick->triangle_count = 0;
+    tick->is_begun = 0;
     for (uint32_t i = 0; i < view->count; i++)
         if (view->list[i].is_held && !dpti_patch_hold(tick, view, i, 0.0, none))
             return 0;

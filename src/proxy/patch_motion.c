@@ -68,6 +68,7 @@ static int hold_along(struct proxy_tick *tick, struct patch_view *view, uint32_t
 static int look(struct proxy_tick *tick, struct patch_view *view, double reach, vec3 hint)
 {
     tick->space_count = tick->triangle_count = 0;
+    tick->is_begun = 0;
     if (!dpti_patch_look(tick, view, reach))
         return 0;
     for (uint32_t i = 0; i < view->side_count; i++) {

@@ -271,6 +271,7 @@ void dpti_proxy_gather_triangle(struct proxy_tick *tick, uint32_t index, double 
 void dpti_proxy_gather(struct proxy_tick *tick, double reach)
 {
     tick->space_count = 0;
+    tick->is_begun = 0;
     list_triangles(tick, reach);
     for (uint32_t i = 0; i < tick->triangle_count; i++)
         dpti_proxy_gather_triangle(tick, i, reach);

@@ -65,8 +65,16 @@ static int solve(struct proxy_tick *tick, const double *wanted)
 /* Passes between the normal and the tangential problem. */
 enum { PASSES_MAX = 6 };
 
+/*
+ * After so many of them the mean normals of places stay where they are: they have moved by less and less, and would so in
+ * each pass.
+ */
+enum { FIXED_AFTER = 2 };
+
 /* As a share of the clearance: passes end when the goal moves by less. */
 #define SETTLED 1e-2
+/* The same as a share of a long motion: what it is off is made good by the next one. */
+#define SETTLED_FAR 1e-3
 
 /* For how many ticks a contact that holds nothing is kept, as features change under a tool that slides. */
 #define AGE_MAX 2
@@ -286,29 +294,81 @@ static uint32_t list_places(struct proxy_tick *tick)
     return count;
 }
 
-/*
- * The contacts with friction of the present solution; those that the last one had keep their pulls. Returns how many.
- */
-static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before)
+/* Contacts that were listed. */
+struct contact_list {
+    struct friction_contact contact[HALF_SPACE_DIMENSIONS];
+    uint32_t space[HALF_SPACE_DIMENSIONS];
+    uint32_t count;
+};
+
+/* The number of a constraint's contact; `count` if there is none. */
+static uint32_t number_of(const struct contact_list *list, uint32_t space)
 {
-    struct friction_contact last[HALF_SPACE_DIMENSIONS];
-    uint32_t last_spaces[HALF_SPACE_DIMENSIONS];
-    memcpy(last, tick->contacts, before * sizeof *last);
-    memcpy(last_spaces, tick->contact_spaces, before * sizeof *last_spaces);
+    uint32_t i = 0;
+    while (i < list->count && list->space[i] != space)
+        i++;
+    return i;
+}
+
+static uint32_t members_of(const struct friction_contact *contacts, uint32_t count, uint32_t place)
+{
+    uint32_t members = 0;
+    for (uint32_t i = 0; i < count; i++)
+        members += contacts[i].place == place;
+    return members;
+}
+
+/* Whether a place has the same contacts as it had; *members is how many they are. */
+static int is_same_place(const struct proxy_tick *tick, uint32_t count, uint32_t place, const struct contact_list *last,
+                         uint32_t *members)
+{
+    const uint32_t first = number_of(last, tick->contact_spaces[place]);
+    *members = members_of(tick->contacts, count, place);
+    if (first == last->count || members_of(last->contact, last->count, last->contact[first].place) != *members)
+        return 0;
+    for (uint32_t i = place; i < count; i++) {
+        const uint32_t was = number_of(last, tick->contact_spaces[i]);
+        if (tick->contacts[i].place == place &&
+            (was == last->count || last->contact[was].place != last->contact[first].place))
+            return 0;
+    }
+    return 1;
+}
+
+/*
+ * The contacts with friction of the present solution; those that the last one had keep their pulls. The mean normal of a
+ * place follows what its contacts hold, or stays where it is if is_fixed. Returns how many.
+ */
+static uint32_t list_contacts(struct proxy_tick *tick, uint32_t before, int is_fixed)
+{
+    struct contact_list last;
+    last.count = before;
+    memcpy(last.contact, tick->contacts, before * sizeof *last.contact);
+    memcpy(last.space, tick->contact_spaces, before * sizeof *last.space);
     const uint32_t count = list_places(tick);
+    set_torsion_arms(tick, tick->contacts, count);
     for (uint32_t k = 0; k < count; k++) {
         struct friction_contact *contact = &tick->contacts[k];
-        const uint32_t space = tick->contact_spaces[k];
-        fill_contact(tick, space, normal_of_place(tick, count, contact->place),
-                     find_contact(tick, tick->contact_spaces[contact->place]), rough_body(tick, space), contact);
+        const struct friction_contact now = *contact;
+        const uint32_t space = tick->contact_spaces[k], was = number_of(&last, space);
+        uint32_t members;
+        if (is_same_place(tick, count, now.place, &last, &members) && (members == 1 || is_fixed)) {
+            *contact = last.contact[was];
+            contact->place = now.place;
+            contact->multiplier = now.multiplier;
+            contact->share = now.share;
+            if (!is_fixed)
+                contact->torsion_arm = now.torsion_arm;
+            continue;
+        }
+        fill_contact(tick, space, normal_of_place(tick, count, now.place),
+                     find_contact(tick, tick->contact_spaces[now.place]), rough_body(tick, space), contact);
         contact->pull[0] = contact->pull[1] = contact->torsion = 0.0;
-        for (uint32_t i = 0; i < before; i++)
-            if (last_spaces[i] == space) {
-                memcpy(contact->pull, last[i].pull, sizeof contact->pull);
-                contact->torsion = last[i].torsion;
-            }
+        if (was < last.count) {
+            memcpy(contact->pull, last.contact[was].pull, sizeof contact->pull);
+            contact->torsion = last.contact[was].torsion;
+        }
     }
-    set_torsion_arms(tick, tick->contacts, count);
     return count;
 }
 
@@ -335,24 +395,30 @@ static void note_pulls(const struct proxy_tick *tick)
 int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
 {
     double pulled[HALF_SPACE_DIMENSIONS];
-    uint32_t count = 0;
-    tick->contact_count = 0;
+    uint32_t count = tick->is_begun ? tick->contact_count : 0;
+    const int is_begun = count > 0;
     begin_pulled(tick, wanted, pulled);
-    tick->solved.active_count = 0;
+    if (!tick->is_begun)
+        tick->solved.active_count = 0;
+    tick->contact_count = 0;
+    tick->is_begun = 0;
     if (!solve(tick, pulled))
         return 0;
     for (int pass = 0; pass < PASSES_MAX; pass++) {
-        count = list_contacts(tick, count);
+        count = list_contacts(tick, count, pass >= FIXED_AFTER);
         const struct friction_problem problem = {
             tick->contacts, tick->contact_spaces,       count, tick->spaces, &tick->solved,
             wanted,         proxy_unknowns(tick->proxy)
         };
-        if (dpti_friction_pass(&problem, pass == 0, SETTLED * tick->clearance, pulled))
+        const double settled =
+            max_of(SETTLED * tick->clearance, SETTLED_FAR * norm_of(tick->solved.y, problem.dimensions));
+        if (dpti_friction_pass(&problem, pass == 0 && !is_begun, settled, pulled))
             break;
         if (!solve(tick, pulled))
             return 0;
     }
     tick->contact_count = count;
+    tick->is_begun = 1;
     note_pulls(tick);
     return 1;
 }

@@ -78,6 +78,7 @@ struct proxy_tick {
     uint32_t triangle_count;
     uint32_t space_count;
     uint32_t contact_count; /* of the solution, contacts with friction */
+    int is_begun;           /* the solution is of these constraints, or fewer: the next solve begins there */
     struct half_spaces_result solved;
     /* From here on a tick does not begin with zeros. Triangles are copies, as proxy->memory changes during the tick. */
     struct proxy_triangle triangles[HALF_SPACES_MAX]; /* one a constraint within the patch */

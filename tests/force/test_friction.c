@@ -167,8 +167,11 @@ static void pulls_obey_coulombs_law(void)
     }
     printf("    %u of %u settled, %.2f passes each; %u stuck, %u slipped\n", settled, cases, (double)passes / cases,
            stuck, slipped);
-    /* Places at random are harder than those of a tool that slides; by sweeps alone half of them settle. */
-    CHECK(cases > 15000 && settled > cases / 4 * 3, "%u of %u settled", settled, cases);
+    /*
+     * Places at random are harder than those of a tool that slides; by sweeps alone half of them settle, and 78 % where
+     * Newton's method keeps what sticks beyond its limit.
+     */
+    CHECK(cases > 15000 && settled > cases / 50 * 41, "%u of %u settled", settled, cases);
     CHECK(stuck > 3000 && slipped > 3000, "%u stuck, %u slipped", stuck, slipped);
 }
 
