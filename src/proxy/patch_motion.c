@@ -254,6 +254,7 @@ struct start {
     double carried; /* m: so far it went */
     int is_before;
     int is_past; /* other bodies were near */
+    struct proxy_contact contacts[PROXY_CONTACTS_MAX];
 };
 
 /* m: the length of the way from one pose to another. */
@@ -270,6 +271,7 @@ static void go_back(struct proxy_tick *tick, const struct start *start, double *
     tick->is_before = start->is_before;
     tick->is_lost = 1;
     *allowed = start->allowed;
+    memcpy(tick->proxy->contacts, start->contacts, sizeof start->contacts);
 }
 
 /*
@@ -278,7 +280,8 @@ static void go_back(struct proxy_tick *tick, const struct start *start, double *
  */
 static int carry(struct proxy_tick *tick, const struct body *body, double *allowed, struct start *start)
 {
-    *start = (struct start){ tick->at, tick->gap, *allowed, 0.0, tick->is_before, 0 };
+    *start = (struct start){ tick->at, tick->gap, *allowed, 0.0, tick->is_before, 0, { { .body_id = 0 } } };
+    memcpy(start->contacts, tick->proxy->contacts, sizeof start->contacts);
     if (!tick->is_before)
         return 1;
     if (tick->has_end)

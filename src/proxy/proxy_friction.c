@@ -87,10 +87,10 @@ enum { FIXED_AFTER = 2 };
  */
 #define SAME_PLACE 0.02
 
-/* The tool's point of a constraint, in its frame. */
+/* Where the tool's surface touches, in its frame. */
 static vec3 place_of(const struct proxy_tick *tick, uint32_t space)
 {
-    return frame_to_local(&tick->at.frame, tick->sources[space].p);
+    return frame_to_local(&tick->at.frame, proxy_touch_of(tick, space));
 }
 
 /* m: the length to which distances between places on a tip are compared. */
@@ -489,6 +489,48 @@ void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn)
         contact->is_slipping = (uint32_t)tick->contacts[i].is_slipping;
         contact->has_slipped |= contact->is_slipping;
         contact->slip = contact->is_slipping ? (vec3){ 0.0, 0.0, 0.0 } : along(slip, -dot(slip, normal), normal);
+    }
+}
+
+/* The axis' point at a contact, in the tool's frame; a tip's radius is not known here: the contact itself. */
+static vec3 middle_of_contact(const struct proxy_tick *tick, const struct proxy_contact *contact)
+{
+    if (contact->segment >= tick->tool->segment_count)
+        return contact->at;
+    const struct segment *segment = &tick->world->segments[tick->tool->first_segment + contact->segment];
+    return along(segment->a, contact->s, sub(segment->b, segment->a));
+}
+
+/* A contact's body may have moved from `before`; the tool went from `from` to `to`. */
+static void note_carried(const struct proxy_tick *tick, const struct frame *before, const struct frame *now,
+                         const struct frame *from, const struct frame *to, struct proxy_contact *contact)
+{
+    const vec3 p = frame_to_world(from, contact->at);
+    const vec3 lever = frame_turn(to, sub(middle_of_contact(tick, contact), contact->at));
+    const vec3 body_moved = sub(frame_to_world(now, frame_to_local(before, p)), p);
+    contact->slip = add(contact->slip, sub(sub(frame_to_world(to, contact->at), p), body_moved));
+    if (!(dot(lever, lever) > 0.0))
+        return;
+    vec3 tangents[2];
+    const vec3 normal = unit_of(lever);
+    unit_across(normal, tangents);
+    const vec3 with_body = frame_turn(now, frame_turn_back(before, tangents[0]));
+    const vec3 with_tool = frame_turn(to, frame_turn_back(from, tangents[0]));
+    contact->turned += dot(normal, cross(with_body, with_tool));
+}
+
+void dpti_proxy_note_carried(struct proxy_tick *tick, const struct proxy_pose *to, const struct body *body)
+{
+    for (uint32_t i = 0; i < PROXY_CONTACTS_MAX; i++) {
+        struct proxy_contact *contact = &tick->proxy->contacts[i];
+        const struct body *other = contact->body_id ? world_find_body(tick->world, contact->body_id) : NULL;
+        if (!other || other == body)
+            continue;
+        const dpt_pose pose = dpti_proxy_body_pose(tick, other);
+        struct frame before;
+        frame_of_pose(&pose, &before);
+        note_carried(tick, &before, &other->frame, &tick->at.frame, &to->frame, contact);
+        tick->is_dragged = 1;
     }
 }
 

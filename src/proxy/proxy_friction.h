@@ -23,6 +23,12 @@ int dpti_proxy_solve_held(struct proxy_tick *tick, double *left);
 /* After the proxy made that motion: update the slip of each contact. Contacts that slip start anew. */
 void dpti_proxy_note_slip(struct proxy_tick *tick, vec3 shift, vec3 turn);
 
+/*
+ * Before the tool goes along with a body, as if fixed to it, to a pose: what sticks to other bodies slips meanwhile, and is
+ * to make that good.
+ */
+void dpti_proxy_note_carried(struct proxy_tick *tick, const struct proxy_pose *to, const struct body *body);
+
 /* End a tick: forget contacts that hold nothing any more. */
 void dpti_proxy_keep_contacts(struct proxy_tick *tick);
 

@@ -5,6 +5,7 @@
 #include "insertion/world_channels.h"
 #include "proxy/proxy.h"
 #include "proxy/proxy_constraints.h"
+#include "proxy/proxy_friction.h"
 #include "track/body_search.h"
 #include "track/tool_parts.h"
 
@@ -343,15 +344,13 @@ int dpti_proxy_carry_past(struct proxy_tick *tick, const struct body *body)
 {
     const struct dpt_world *world = tick->world;
     struct proxy_pose to = tick->at;
-    for (uint32_t slot = 0; slot < world->body_slot_end; slot++)
-        if (body_is_there(&world->bodies[slot]) && world->bodies[slot].static_friction > 0.0)
-            return 0;
     if (body_has_moved(world, body)) {
         const dpt_pose pose = carried_pose(tick, body);
         to = dpti_proxy_pose_of(tick->proxy, &pose);
     }
     if (sweep_tool(tick, &to, handle_index(body->id)).status != SWEEP_FREE)
         return 0;
+    dpti_proxy_note_carried(tick, &to, body);
     arrive(tick, &to);
     return 1;
 }

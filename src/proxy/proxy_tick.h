@@ -73,6 +73,7 @@ struct proxy_tick {
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
     int is_moved;     /* a motion was made in this tick */
+    int is_dragged;   /* it went along with a body while it stuck to another one: a motion is to make that good */
     int is_settled;   /* the last solution is of `at`, and leaves no motion to make */
     int is_waiting;   /* a budget ended the tick's motions before the proxy arrived */
     uint32_t triangle_count;
@@ -93,7 +94,7 @@ static inline int proxy_has_arrived(const struct proxy_tick *tick, double size, 
 {
     return size < PROXY_MOTION_SMALL * tick->clearance ||
            (size < PROXY_CONVERGED * left && size < PROXY_EDGE_SHARE * tick->edge &&
-            tick->gap > PROXY_GAP_KEPT * tick->clearance);
+            tick->gap > PROXY_GAP_KEPT * tick->clearance && (tick->is_moved || !tick->is_dragged));
 }
 
 /* m: of the segment or tip that a constraint is of. */

@@ -79,6 +79,15 @@ struct proxy_pose dpti_solved_correct(struct proxy_tick *tick, const double *wan
     }
 }
 
+/* m^2: what friction gives to a motion that it drives, as by a body that moves under the tool; 0 where it takes. */
+static double driven(const struct proxy_tick *tick, const double *motion)
+{
+    double pulled[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    for (uint32_t i = 0; i < tick->contact_count; i++)
+        dpti_friction_add(&tick->contacts[i], 1.0, pulled);
+    return max_of(0.0, product_of(pulled, motion, proxy_unknowns(tick->proxy)));
+}
+
 double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_pose *to,
                               const struct displacement *now, const double *wanted, const double *straight, double left,
                               double share)
@@ -88,8 +97,8 @@ double dpti_solved_best_share(const struct proxy_tick *tick, const struct proxy_
     const struct displacement pulled = dpti_proxy_pulled(&then);
     const double beyond = dpti_proxy_stored_beyond(&then) - dpti_proxy_stored_beyond(now);
     const double far = displacement_norm(coupling, &pulled);
-    /* So much may be lost to regain the clearance. */
-    const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap);
+    /* So much may be lost to regain the clearance, and to what friction drives. */
+    const double slack = 1.5 * left * max_of(0.0, tick->clearance - tick->gap) + driven(tick, straight);
     double slope = -slack;
     for (uint32_t k = 0; k < proxy_unknowns(tick->proxy); k++)
         slope -= wanted[k] * straight[k];

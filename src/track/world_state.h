@@ -145,7 +145,7 @@ struct proxy_triangle {
 struct proxy_contact {
     vec3 slip;            /* m, in the world: from where it stuck to where it is */
     double s;             /* on the segment, 0..1 */
-    vec3 at;              /* of a tip's: where, in the tool's frame */
+    vec3 at;              /* where the surface touches, in the tool's frame */
     uint32_t body_id;     /* 0: the entry is empty */
     uint32_t segment;     /* of the tool, from 0; tips go on from its segment_count */
     double turned;        /* rad, about the normal: from where it stuck */

@@ -209,6 +209,61 @@ static void a_body_that_moves_takes_it_along(void)
     solid_close(&box);
 }
 
+/*
+ * A tool lies across the edges of two boxes and sticks to both. One goes to and fro along its edge: the point that touches
+ * there goes with it, the one on the other edge stays where it is, however often.
+ */
+static void what_sticks_to_two_bodies_stays_on_both(void)
+{
+    struct solid box;
+    if (!solid_from_shape(&box, "box", 1200))
+        return;
+    for (int moving = 0; moving < 2; moving++) {
+        const double friction = 0.8, way = 2e-5, aside = 0.006;
+        const double *half = box.info.box_max, top = sqrt(0.5) * (half[0] + half[2]);
+        dpt_pose places[2] = { DPT_POSE_IDENTITY, DPT_POSE_IDENTITY };
+        dpt_body bodies[2];
+        double touched[2][3], start[2][3], now[2][3], stayed = 0, followed = 0;
+        struct rig rig;
+        rig_open(&rig, NULL, box.mesh, &lying, 1);
+        bodies[0] = rig.body;
+        CHECK(!dpt_body_add(rig.world, box.mesh, NULL, &bodies[1]), "a second box");
+        for (int b = 0; b < 2; b++) {
+            rig.body = bodies[b];
+            rig_set_body(&rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
+            places[b].position[0] = (b ? aside : -aside) - sqrt(0.5) * (half[2] - half[0]);
+            pose_orient(&places[b], (const double[3]){ 0, 1, 0 }, 0.25 * 3.14159265358979);
+            CHECK(!dpt_body_teleport(rig.world, bodies[b], &places[b]), "a place");
+        }
+        rig.device.position[2] = top + lying.radius + 0.001;
+        rig_place(&rig);
+        for (int k = 0; k < 30; k++) {
+            rig.device.position[2] -= 1e-4;
+            rig_step(&rig);
+        }
+        for (int b = 0; b < 2; b++) {
+            memcpy(start[b], (const double[3]){ b ? aside : -aside, 0, top }, sizeof start[b]);
+            pose_local(&rig.proxy, start[b], touched[b]);
+        }
+        for (int k = 1; k <= 2000; k++) {
+            places[moving].position[1] = way * sin(0.05 * k);
+            CHECK(!dpt_body_set_pose(rig.world, bodies[moving], &places[moving]), "a place");
+            rig_step(&rig);
+            for (int b = 0; b < 2; b++)
+                pose_point(&rig.proxy, touched[b], now[b]);
+            now[moving][1] -= places[moving].position[1];
+            stayed = fmax(stayed, apart(now[!moving], start[!moving]));
+            followed = fmax(followed, apart(now[moving], start[moving]));
+        }
+        printf("    one of two moves by %g m: what sticks to it is off by %.2g m, to the other by %.2g m\n", way,
+               followed, stayed);
+        CHECK(stayed < 0.02 * way, "body %d moves: what sticks to the other one moved by %g m", moving, stayed);
+        CHECK(followed < 0.02 * way, "body %d moves: what sticks to it is %g m off", moving, followed);
+        rig_close(&rig);
+    }
+    solid_close(&box);
+}
+
 /* Dragged over many triangles, contacts split, merge and change: it slips at the cone of motion all the way. */
 static void contacts_that_change_keep_the_cone(void)
 {
@@ -350,6 +405,7 @@ int main(int argc, char **argv)
     TEST(wrenches_are_in_the_cones);
     TEST(a_slope_is_held_up_to_its_angle);
     TEST(a_body_that_moves_takes_it_along);
+    TEST(what_sticks_to_two_bodies_stays_on_both);
     TEST(contacts_that_change_keep_the_cone);
     TEST(two_triangles_under_a_tip_are_one_contact);
     TEST(a_spin_moves_nothing);
