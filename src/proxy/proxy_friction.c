@@ -398,7 +398,7 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
     uint32_t count = tick->is_begun ? tick->contact_count : 0;
     const int is_begun = count > 0;
     begin_pulled(tick, wanted, pulled);
-    if (!tick->is_begun)
+    if (!is_begun)
         tick->solved.active_count = 0;
     tick->contact_count = 0;
     tick->is_begun = 0;

@@ -302,14 +302,6 @@ static int list_all(struct dpt_world *world, struct patch_view *view, double wit
     return 1;
 }
 
-static int has_friction(const struct patch_view *view)
-{
-    for (uint32_t i = 0; i < view->side_count; i++)
-        if (view->sides[i].body->static_friction > 0.0)
-            return 1;
-    return 0;
-}
-
 /* Patches and list anew, for gaps up to `reach`, or to less where there is no room. 0: there is none for those near. */
 static int look_anew(struct proxy_tick *tick, struct patch_view *view, double reach)
 {
@@ -321,7 +313,7 @@ static int look_anew(struct proxy_tick *tick, struct patch_view *view, double re
     reach = dpti_patch_find_sides(world, view, min_of(reach, view->room), least, &others);
     if (!(reach > 0.0))
         return 0;
-    view->is_listed = view->is_ball || view->has_tips || has_friction(view);
+    view->is_listed = view->is_ball || view->has_tips;
     double within = view->is_listed ? reach : min_of(view->wished, LISTED_LINE * tick->clearance);
     within = min_of(within, others);
     for (; !list_all(world, view, within, others); within *= 0.5)

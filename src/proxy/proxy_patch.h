@@ -88,7 +88,7 @@ struct patch_view {
     const struct body *body;   /* the nearest when the tick began */
     int is_ball;
     int is_made;   /* there is a list */
-    int is_listed; /* motions stay within the list: beside a ball, of a line with friction, and of tips */
+    int is_listed; /* motions stay within the list: beside a ball, and of tips */
     int has_tips;
     double near;         /* m: the nearest pairs are looked for up to that gap */
     double reach;        /* m: no triangle outside of the list has a gap below that */
