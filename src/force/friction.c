@@ -7,6 +7,9 @@
 /* Newton's method needs to know from them what slips, and about where to: more of them find little more. */
 enum { SWEEPS_MAX = 6, LATER_SWEEPS_MAX = 2 };
 
+/* So many further steps are made in a pass, while the same constraints hold the motion. */
+enum { STEPS_MAX = 2 };
+
 /* Sweeps end when no pull changes by more than this share of the largest pull. */
 #define SETTLED 1e-7
 
@@ -243,18 +246,54 @@ static void end_pass(const struct friction_pass *pass, double *pulled)
         dpti_friction_add(&problem->contacts[i], 1.0, pulled);
 }
 
+/*
+ * Whether the active constraints hold the motion with these pulls as well, with the multipliers that a step has found, and
+ * nothing else does: then it is the answer of the half spaces.
+ */
+static int is_answer(const struct friction_pass *pass, const double *pulled, double *y)
+{
+    const struct friction_problem *problem = pass->problem;
+    const struct half_spaces_result *solved = problem->solved;
+    for (uint32_t i = 0; i < pass->count; i++)
+        if (pass->place[i].count > 1 && !problem->is_fixed)
+            return 0;
+    memcpy(y, pulled, HALF_SPACE_DIMENSIONS * sizeof *y);
+    for (uint32_t k = 0; k < solved->active_count; k++) {
+        if (!(pass->multiplier[k] > 0.0))
+            return 0;
+        whole_add(y, pass->multiplier[k], problem->spaces[solved->active[k]].normal);
+    }
+    for (uint32_t i = 0; i < problem->space_count; i++) {
+        const struct half_space *space = &problem->spaces[i];
+        if ((whole_product_of(space->normal, y) - space->bound) * space->per_length < -problem->tolerance)
+            return 0;
+    }
+    for (uint32_t k = 0; k < solved->active_count; k++) {
+        const struct half_space *space = &problem->spaces[solved->active[k]];
+        if ((whole_product_of(space->normal, y) - space->bound) * space->per_length > problem->tolerance)
+            return 0;
+    }
+    return 1;
+}
+
 int dpti_friction_pass(const struct friction_problem *problem, int is_first, double settled, double *pulled)
 {
     struct friction_pass pass;
-    double next[HALF_SPACE_DIMENSIONS], changed = 0.0;
-    begin_pass(problem, is_first, &pass);
-    sweep(&pass, is_first ? SWEEPS_MAX : LATER_SWEEPS_MAX);
-    end_pass(&pass, next);
-    for (uint32_t k = 0; k < problem->dimensions; k++)
-        changed = max_of(changed, fabs(next[k] - pulled[k]));
-    if (changed <= settled)
-        return 1;
-    dpti_friction_step(&pass);
-    end_pass(&pass, pulled);
-    return 0;
+    for (int step = 0;; step++) {
+        double next[HALF_SPACE_DIMENSIONS], changed = 0.0;
+        const int begins = is_first && step == 0;
+        begin_pass(problem, begins, &pass);
+        sweep(&pass, begins && pass.count > 1 ? SWEEPS_MAX : LATER_SWEEPS_MAX);
+        end_pass(&pass, next);
+        for (uint32_t k = 0; k < problem->dimensions; k++)
+            changed = max_of(changed, fabs(next[k] - pulled[k]));
+        if (changed <= settled)
+            return 1;
+        dpti_friction_step(&pass);
+        end_pass(&pass, pulled);
+        if (step == STEPS_MAX || !is_answer(&pass, pulled, next))
+            return 0;
+        memcpy(problem->solved->y, next, sizeof next);
+        memcpy(problem->solved->multiplier, pass.multiplier, problem->solved->active_count * sizeof *pass.multiplier);
+    }
 }

@@ -35,9 +35,11 @@ struct friction_problem {
     const uint32_t *contact_spaces; /* the constraint of each contact, an active one */
     uint32_t count;
     const struct half_space *spaces;
-    const struct half_spaces_result *solved; /* multipliers that were found with other pulls */
-    const double *goal;                      /* without pulls */
-    uint32_t dimensions;
+    struct half_spaces_result *solved; /* in and out: found with other pulls */
+    const double *goal;                /* without pulls */
+    uint32_t dimensions, space_count;
+    double tolerance; /* a constraint that is missed by at most that counts as met */
+    int is_fixed;     /* mean normals of places are not to follow the multipliers any more */
 };
 
 /*
@@ -52,7 +54,8 @@ struct friction_problem {
  *
  * `pulled` is the goal with the pulls with which `solved` was found. If it differs from the one with the pulls at these
  * multipliers by at most `settled`, returns 1. Otherwise it becomes the one to solve for next, where Newton's method on
- * multipliers and pulls together leads, and 0 is returned. Contacts have its pulls then.
+ * multipliers and pulls together leads, and 0 is returned. Contacts have its pulls then. Where the constraints that hold the
+ * motion still do so there, and are the only ones, it is solved for with that: `solved` follows, and all is done again.
  */
 int dpti_friction_pass(const struct friction_problem *problem, int is_first, double settled, double *pulled);
 

@@ -361,6 +361,8 @@ void dpti_friction_step(struct friction_pass *pass)
     double x[UNKNOWNS_MAX];
     set_equations(&newton, pass);
     solve_pushing(&newton, pass, x);
+    for (uint32_t k = 0; k < pass->problem->solved->active_count; k++)
+        pass->multiplier[k] = pass->problem->solved->multiplier[k] + x[k];
     for (uint32_t i = 0; i < pass->count; i++)
         if (limit_of(&pass->place[i].whole) > 0.0)
             take_step(&pass->place[i], x);

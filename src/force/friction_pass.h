@@ -35,8 +35,9 @@ struct friction_place {
 struct friction_pass {
     const struct friction_problem *problem;
     uint32_t count;
-    double y[HALF_SPACE_DIMENSIONS]; /* the motion, with all multipliers and pulls */
-    vec3 pull;                       /* of all places together */
+    double y[HALF_SPACE_DIMENSIONS];          /* the motion, with all multipliers and pulls */
+    vec3 pull;                                /* of all places together */
+    double multiplier[HALF_SPACE_DIMENSIONS]; /* of the active constraints, after a step */
     struct friction_place place[HALF_SPACE_DIMENSIONS];
 };
 

@@ -406,10 +406,16 @@ int dpti_proxy_solve_rubbing(struct proxy_tick *tick, const double *wanted)
         return 0;
     for (int pass = 0; pass < PASSES_MAX; pass++) {
         count = list_contacts(tick, count, pass >= FIXED_AFTER);
-        const struct friction_problem problem = {
-            tick->contacts, tick->contact_spaces,       count, tick->spaces, &tick->solved,
-            wanted,         proxy_unknowns(tick->proxy)
-        };
+        const struct friction_problem problem = { .contacts = tick->contacts,
+                                                  .contact_spaces = tick->contact_spaces,
+                                                  .count = count,
+                                                  .spaces = tick->spaces,
+                                                  .solved = &tick->solved,
+                                                  .goal = wanted,
+                                                  .dimensions = proxy_unknowns(tick->proxy),
+                                                  .space_count = tick->space_count,
+                                                  .tolerance = TOLERANCE * tick->clearance,
+                                                  .is_fixed = pass >= FIXED_AFTER };
         const double settled =
             max_of(SETTLED * tick->clearance, SETTLED_FAR * norm_of(tick->solved.y, problem.dimensions));
         if (dpti_friction_pass(&problem, pass == 0 && !is_begun, settled, pulled))

@@ -151,8 +151,8 @@ static void pulls_obey_coulombs_law(void)
             };
             is_solved = dpti_half_spaces_nearest(&problem, &solved);
             count = list(&rubbing, &solved, count, contacts, spaces);
-            const struct friction_problem friction = { contacts, spaces,       count,    rubbing.spaces,
-                                                       &solved,  rubbing.goal, rubbing.n };
+            const struct friction_problem friction = { contacts,     spaces,    count,         rubbing.spaces, &solved,
+                                                       rubbing.goal, rubbing.n, rubbing.count, 1e-13,          0 };
             is_settled = is_solved && dpti_friction_pass(&friction, pass == 0, CLOSE, pulled);
             passes++;
         }
