@@ -63,7 +63,7 @@ static int solve(struct proxy_tick *tick, const double *wanted)
 }
 
 /* Passes between the normal and the tangential problem. */
-enum { PASSES_MAX = 6 };
+enum { PASSES_MAX = 4 };
 
 /*
  * After so many of them the mean normals of places stay where they are: they have moved by less and less, and would so in

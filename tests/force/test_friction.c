@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Friction of contacts that hold a point under linear constraints (src/force/friction.h), with the solver of constraints it
- * works with. A tool touches at random places; passes go on until they settle, or six times as the proxy does. Against the
+ * works with. A tool touches at random places; passes go on until they settle, or four times as the proxy does. Against the
  * conditions of Coulomb's law, with matrices of its own: no pull beyond its limit; what sticks comes to rest but for a
  * thousandth of what it pulls beyond its share; what slips is at its limit, and pulls against its slip. Torsion, and several contacts at one place,
  * are left out.
@@ -12,7 +12,7 @@
 #include "force/friction.h"
 #include "lib/check.h"
 
-enum { CONTACTS = 4, PASSES = 6 };
+enum { CONTACTS = 4, PASSES = 4 };
 
 /* m: as the proxy's, a hundredth of its clearance. */
 #define CLOSE 5e-9
@@ -132,6 +132,29 @@ static double off_the_law(const struct rubbing *rubbing, const struct half_space
     return wanted > 0.0 ? fmax(off, moved - dot / wanted) : fmax(off, moved);
 }
 
+/* m: how far a motion is from meeting all constraints, and from being goal, multipliers and pulls together. */
+static double off_balance(const struct rubbing *rubbing, const struct half_spaces_result *solved,
+                          const struct friction_contact *contacts, uint32_t count)
+{
+    double off = 0.0, left[HALF_SPACE_DIMENSIONS];
+    for (uint32_t k = 0; k < rubbing->n; k++)
+        left[k] = solved->y[k] - rubbing->goal[k];
+    for (uint32_t i = 0; i < rubbing->count; i++) {
+        double height = -rubbing->spaces[i].bound;
+        for (uint32_t k = 0; k < rubbing->n; k++)
+            height += rubbing->spaces[i].normal[k] * solved->y[k];
+        off = fmax(off, -height);
+    }
+    for (uint32_t k = 0; k < rubbing->n; k++) {
+        for (uint32_t i = 0; i < solved->active_count; i++)
+            left[k] -= solved->multiplier[i] * rubbing->spaces[solved->active[i]].normal[k];
+        for (uint32_t i = 0; i < count; i++)
+            left[k] -= contacts[i].pull[0] * contacts[i].across[0][k] + contacts[i].pull[1] * contacts[i].across[1][k];
+        off = fmax(off, fabs(left[k]));
+    }
+    return off;
+}
+
 static void pulls_obey_coulombs_law(void)
 {
     uint64_t seed = 8;
@@ -158,9 +181,11 @@ static void pulls_obey_coulombs_law(void)
         }
         cases += (uint32_t)is_solved;
         settled += (uint32_t)is_settled;
+        const double off = off_balance(&rubbing, &solved, contacts, count);
+        CHECK(!is_settled || off < 2.0 * CLOSE, "case %d: constraints and pulls are off by %g m", i, off);
         for (uint32_t c = 0; c < count && is_settled; c++) {
-            const double off = off_the_law(&rubbing, &solved, contacts, count, c);
-            CHECK(off < 1e-6, "case %d: contact %u of %u is %g m off Coulomb's law", i, c, count, off);
+            const double wrong = off_the_law(&rubbing, &solved, contacts, count, c);
+            CHECK(wrong < 1e-6, "case %d: contact %u of %u is %g m off Coulomb's law", i, c, count, wrong);
             slipped += (uint32_t)contacts[c].is_slipping;
             stuck += !contacts[c].is_slipping;
         }
@@ -168,10 +193,10 @@ static void pulls_obey_coulombs_law(void)
     printf("    %u of %u settled, %.2f passes each; %u stuck, %u slipped\n", settled, cases, (double)passes / cases,
            stuck, slipped);
     /*
-     * Places at random are harder than those of a tool that slides; by sweeps alone half of them settle, and 78 % where
-     * Newton's method keeps what sticks beyond its limit.
+     * Places at random are harder than those of a tool that slides. By sweeps alone half of them settle, 82 % where
+     * Newton's method keeps what sticks beyond its limit, 73 % where each of its steps asks the half spaces.
      */
-    CHECK(cases > 15000 && settled > cases / 50 * 41, "%u of %u settled", settled, cases);
+    CHECK(cases > 15000 && settled > cases / 10 * 9, "%u of %u settled", settled, cases);
     CHECK(stuck > 3000 && slipped > 3000, "%u stuck, %u slipped", stuck, slipped);
 }
 
