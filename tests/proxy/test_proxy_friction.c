@@ -177,6 +177,15 @@ static void a_slope_is_held_up_to_its_angle(void)
     solid_close(&box);
 }
 
+/* From 1 mm above to 2 mm deep. */
+static void press(struct rig *rig)
+{
+    for (int k = 0; k < 30; k++) {
+        rig->device.position[2] -= 1e-4;
+        rig_step(rig);
+    }
+}
+
 /* A body that moves under a tool that sticks takes it along, up to the cone, with the force of the spring. */
 static void a_body_that_moves_takes_it_along(void)
 {
@@ -192,10 +201,7 @@ static void a_body_that_moves_takes_it_along(void)
         rig_set_body(&rig, (dpt_body_settings){ .static_friction = friction, .kinetic_friction = friction });
         rig.device.position[2] = TOP + segment->radius + 0.001;
         rig_place(&rig);
-        for (int k = 0; k < 30; k++) {
-            rig.device.position[2] -= 1e-4;
-            rig_step(&rig);
-        }
+        press(&rig);
         for (int k = 1; k <= 200; k++) {
             pose.position[0] = step * k;
             dpt_body_set_pose(rig.world, rig.body, &pose);
@@ -237,10 +243,7 @@ static void what_sticks_to_two_bodies_stays_on_both(void)
         }
         rig.device.position[2] = top + lying.radius + 0.001;
         rig_place(&rig);
-        for (int k = 0; k < 30; k++) {
-            rig.device.position[2] -= 1e-4;
-            rig_step(&rig);
-        }
+        press(&rig);
         for (int b = 0; b < 2; b++) {
             memcpy(start[b], (const double[3]){ b ? aside : -aside, 0, top }, sizeof start[b]);
             pose_local(&rig.proxy, start[b], touched[b]);
@@ -283,10 +286,7 @@ static void what_sticks_does_not_creep(void)
         memcpy(rig.device.position, place, sizeof place);
         rig.device.position[2] += 0.001;
         rig_place(&rig);
-        for (int k = 0; k < 30; k++) {
-            rig.device.position[2] -= 1e-4;
-            rig_step(&rig);
-        }
+        press(&rig);
         for (int k = 0; k < 90; k++) {
             rig.device.position[0] += 0.01 * friction * depth;
             rig_step(&rig);
@@ -427,10 +427,7 @@ static void a_spin_moves_nothing(void)
     rig_open(&rig, NULL, box.mesh, &lying, 1);
     rig.device.position[2] = TOP + lying.radius + 0.001;
     rig_place(&rig);
-    for (int i = 0; i < 30; i++) {
-        rig.device.position[2] -= 1e-4;
-        rig_step(&rig);
-    }
+    press(&rig);
     const dpt_pose at = rig.proxy;
     for (int i = 0; i < 2000; i++) {
         pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.01 * i);
