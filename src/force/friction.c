@@ -117,33 +117,13 @@ static void change_pull(struct friction_pass *pass, struct friction_contact *who
     pass->pull = along(pass->pull, more, vec3_of(whole->across[d]));
 }
 
-void dpti_friction_missed(const struct friction_pass *pass, const struct friction_place *place, double missed[2])
-{
-    const struct friction_contact *whole = &place->whole;
-    for (int d = 0; d < 2; d++) {
-        missed[d] = whole_product_of(whole->across[d], pass->y) + whole->slip[d];
-        if (pass->count > 1)
-            missed[d] += YIELDING * (whole->pull[d] - place->share * dot(pass->pull, vec3_of(whole->across[d])));
-    }
-}
-
-double dpti_friction_to_rest(const struct friction_pass *pass, const struct friction_place *place, double wanted[2])
-{
-    const struct friction_contact *whole = &place->whole;
-    double missed[2];
-    dpti_friction_missed(pass, place, missed);
-    for (int d = 0; d < 2; d++)
-        wanted[d] = whole->pull[d] - whole->inverse[d][0] * missed[0] - whole->inverse[d][1] * missed[1];
-    return sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
-}
-
 /* The pull of one place, with all others as they are. Returns how much it changed. */
 static double relax(struct friction_pass *pass, struct friction_place *place)
 {
     struct friction_contact *whole = &place->whole;
     const double limit = limit_of(whole);
     double wanted[2], changed = 0.0;
-    const double size = dpti_friction_to_rest(pass, place, wanted);
+    const double size = pull_to_rest(pass, place, wanted);
     whole->is_slipping = size > (1.0 + SLIPPING) * limit;
     for (int d = 0; d < 2; d++) {
         const double more = (size > limit ? wanted[d] * (limit / size) : wanted[d]) - whole->pull[d];
@@ -179,8 +159,7 @@ static void share_out(struct friction_pass *pass)
     double pulls[HALF_SPACE_DIMENSIONS][2];
     for (uint32_t i = 0; i < pass->count; i++) {
         const struct friction_place *place = &pass->place[i];
-        const double limit = limit_of(&place->whole),
-                     size = place->share * dpti_friction_to_rest(pass, place, pulls[i]);
+        const double limit = limit_of(&place->whole), size = place->share * pull_to_rest(pass, place, pulls[i]);
         const double part = size > limit ? place->share * limit / size : place->share;
         pulls[i][0] *= part;
         pulls[i][1] *= part;

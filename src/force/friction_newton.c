@@ -45,7 +45,7 @@ static void add_place(struct newton *newton, const struct friction_pass *pass, s
 {
     const struct friction_contact *whole = &place->whole;
     double missed[2];
-    dpti_friction_missed(pass, place, missed);
+    missed_by_place(pass, place, missed);
     place->unknown = newton->count;
     add_unknown(newton, whole->across[0], -missed[0]);
     add_unknown(newton, whole->across[1], -missed[1]);
@@ -149,7 +149,7 @@ static void set_equations(struct newton *newton, struct friction_pass *pass)
             continue;
         if (pass->count > 1)
             let_yield(newton, pass, place);
-        const double size = dpti_friction_to_rest(pass, place, wanted);
+        const double size = pull_to_rest(pass, place, wanted);
         place->slips = size > limit_of(&place->whole);
         if (place->slips)
             let_slip(newton, place, wanted, size);

@@ -6,6 +6,8 @@
 #ifndef DPT_FRICTION_PASS_H
 #define DPT_FRICTION_PASS_H
 
+#include <math.h>
+
 #include "base/vec3.h"
 #include "force/friction.h"
 
@@ -53,10 +55,28 @@ static inline double torsion_limit_of(const struct friction_contact *contact)
 }
 
 /* How far a place is from where it is to be. */
-void dpti_friction_missed(const struct friction_pass *pass, const struct friction_place *place, double missed[2]);
+static inline void missed_by_place(const struct friction_pass *pass, const struct friction_place *place,
+                                   double missed[2])
+{
+    const struct friction_contact *whole = &place->whole;
+    for (int d = 0; d < 2; d++) {
+        missed[d] = whole_product_of(whole->across[d], pass->y) + whole->slip[d];
+        if (pass->count > 1)
+            missed[d] += YIELDING * (whole->pull[d] - place->share * dot(pass->pull, vec3_of(whole->across[d])));
+    }
+}
 
 /* The pull that brings a place to rest, with all others as they are; returns its size. */
-double dpti_friction_to_rest(const struct friction_pass *pass, const struct friction_place *place, double wanted[2]);
+static inline double pull_to_rest(const struct friction_pass *pass, const struct friction_place *place,
+                                  double wanted[2])
+{
+    const struct friction_contact *whole = &place->whole;
+    double missed[2];
+    missed_by_place(pass, place, missed);
+    for (int d = 0; d < 2; d++)
+        wanted[d] = whole->pull[d] - whole->inverse[d][0] * missed[0] - whole->inverse[d][1] * missed[1];
+    return sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
+}
 
 /*
  * A step of Newton's method on multipliers, pulls and torsions (Alart and Curnier 1991): active constraints stay met, what
