@@ -4,7 +4,8 @@
 # them; a test whose package is missing is skipped and named.
 #
 #     sh tests/deps.sh            lists the groups: packages, what they download, which are missing here
-#     sh tests/deps.sh GROUP...   prints what is missing of these groups and its size, and installs it; all: every group
+#     sh tests/deps.sh GROUP...   prints what is missing of these groups and its size, and installs it; all: those
+#                                 that make check uses
 #
 # `make deps GROUP...` calls it so, and `make check` with the light group alone. Nothing is installed without root or
 # apt-get, or with DEPS=no. Nothing that a package only recommends is installed. Status 1: something is still missing.
@@ -32,6 +33,7 @@ wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libcl
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
 names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
+release='newton\|wheels' # these, make check-release alone
 
 # missing PACKAGE...: those that are not installed. Of node there are other packages, with npm in them, which Debian's
 # npm would remove.
@@ -88,10 +90,11 @@ if [ $# -eq 0 ]; then
         printf '%-11s %s to download: %s\n            %s\n            %s\n' "$group" "$(field "$group" 2)" \
             "$(field "$group" 3)" "$(field "$group" 4)" "${lack:+missing here: $lack}"
     done | grep -v '^ *$'
-    echo "make deps GROUP... installs groups, as root; make deps all installs all of them; make check the light one"
+    echo "make deps GROUP... installs groups, as root; make deps all installs those that make check uses, all but newton and" \
+        "wheels; make check the light one"
     exit 0
 fi
-[ "$*" != all ] || set -- $names
+[ "$*" != all ] || set -- $(echo "$names" | tr ' ' '\n' | grep -vx "$release")
 for group; do
     [ -n "$(field "$group" 4)" ] || { echo "deps: there is no group $group: ${names}or all" >&2; exit 2; }
 done
