@@ -256,9 +256,7 @@ static int is_swept_free(const struct proxy_tick *tick, struct trial *trial, con
     uint32_t evaluations = 1;
     begin_sweep(tick, trial);
     surface_corners(surface, triangle->triangle, still.corner);
-    const int is_free = triangle->is_held
-                            ? dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE
-                            : !dpti_sweep_may_touch_triangle(&trial->sweep, &still);
+    const int is_free = dpti_sweep_triangle(&trial->sweep, &still, 1.0, &trial->met, &evaluations) == SWEEP_FREE;
     work_spend(&tick->world->work, evaluations);
     return is_free;
 }
@@ -274,7 +272,7 @@ static int is_known_clear(const struct proxy_tick *tick, const struct patch_view
 /* How a line is to a triangle at the end of the motion. */
 enum { END_MET, END_CLEAR, END_UNKNOWN };
 
-static int look_at_end(const struct proxy_tick *tick, const struct trial *trial, const struct patch_triangle *triangle)
+static int look_at_end(const struct proxy_tick *tick, const struct trial *trial, struct patch_triangle *triangle)
 {
     const struct patch_way *way = &trial->way;
     double part[2];
@@ -285,8 +283,11 @@ static int look_at_end(const struct proxy_tick *tick, const struct trial *trial,
     if (!(end.distance2 > trial->kept * trial->kept))
         return END_MET;
     const vec3 normal = scaled(end.gap, 1.0 / sqrt(end.distance2));
-    return !patch_part_beside(way, v, part) || patch_height(way, normal, part, v) >= trial->kept ? END_CLEAR
-                                                                                                 : END_UNKNOWN;
+    if (patch_part_beside(way, v, part) && patch_height(way, normal, part, v) < trial->kept)
+        return END_UNKNOWN;
+    /* It may do for the next motion that is tried as well. */
+    triangle->normal = normal;
+    return END_CLEAR;
 }
 
 /* Of a tip: whether a plane, which may turn, keeps it away from a triangle in doubt. */
