@@ -269,10 +269,43 @@ static int is_known_clear(const struct proxy_tick *tick, const struct patch_view
            is_behind_plane(trial, triangle);
 }
 
+/*
+ * Whether a plane that turns, from that across a triangle's nearest pair at the start of the motion to a normal at its end,
+ * parts a line from it all the time. A height over it is a polynomial of the second degree in time, and these are what
+ * remains of Bernstein's coefficients.
+ */
+static int stays_in_front_of_turn(const struct trial *trial, const struct patch_triangle *triangle, vec3 end)
+{
+    const struct patch_way *way = &trial->way;
+    const vec3 normal[2] = { triangle->normal, end };
+    double part[2], over[2][2];
+    vec3 v[3];
+    surface_corners(&trial->side->body->surface, triangle->triangle, v);
+    if (!patch_part_beside(way, v, part))
+        return 1;
+    double least[3] = { HUGE_VAL, HUGE_VAL, HUGE_VAL }, most[3] = { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL };
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < 2; i++)
+            for (int time = 0; time < 2; time++)
+                over[i][time] = dot(normal[i], add(way->a[time], scaled(sub(way->b[time], way->a[time]), part[k])));
+        least[0] = min_of(least[0], over[0][0]);
+        least[1] = min_of(least[1], 0.5 * (over[0][1] + over[1][0]));
+        least[2] = min_of(least[2], over[1][1]);
+    }
+    for (int k = 0; k < 3; k++) {
+        const double first = dot(normal[0], v[k]), last = dot(normal[1], v[k]);
+        most[0] = max_of(most[0], first);
+        most[1] = max_of(most[1], 0.5 * (first + last));
+        most[2] = max_of(most[2], last);
+    }
+    return least[0] - most[0] >= trial->kept && least[1] - most[1] >= trial->kept && least[2] - most[2] >= trial->kept;
+}
+
 /* How a line is to a triangle at the end of the motion. */
 enum { END_MET, END_CLEAR, END_UNKNOWN };
 
-static int look_at_end(const struct proxy_tick *tick, const struct trial *trial, struct patch_triangle *triangle)
+static int look_at_end(const struct proxy_tick *tick, const struct trial *trial, struct patch_triangle *triangle,
+                       vec3 *normal)
 {
     const struct patch_way *way = &trial->way;
     double part[2];
@@ -282,11 +315,11 @@ static int look_at_end(const struct proxy_tick *tick, const struct trial *trial,
     work_spend(&tick->world->work, 1);
     if (!(end.distance2 > trial->kept * trial->kept))
         return END_MET;
-    const vec3 normal = scaled(end.gap, 1.0 / sqrt(end.distance2));
-    if (patch_part_beside(way, v, part) && patch_height(way, normal, part, v) < trial->kept)
+    *normal = scaled(end.gap, 1.0 / sqrt(end.distance2));
+    if (patch_part_beside(way, v, part) && patch_height(way, *normal, part, v) < trial->kept)
         return END_UNKNOWN;
     /* It may do for the next motion that is tried as well. */
-    triangle->normal = normal;
+    triangle->normal = *normal;
     return END_CLEAR;
 }
 
@@ -309,8 +342,10 @@ static int is_proven_clear(const struct proxy_tick *tick, const struct patch_vie
 {
     if (trial->side->tip)
         return tip_passes(tick, trial, triangle);
+    vec3 normal = { 0.0, 0.0, 0.0 };
+    int end = END_MET;
     if (!view->is_ball) {
-        const int end = look_at_end(tick, trial, triangle);
+        end = look_at_end(tick, trial, triangle, &normal);
         /* Of one that is held already, a sweep tells when it is met. */
         if (end == END_CLEAR || (end == END_MET && !triangle->is_held))
             return end == END_CLEAR;
@@ -320,7 +355,8 @@ static int is_proven_clear(const struct proxy_tick *tick, const struct patch_vie
         if (triangle->gap - trial->moved > tick->clearance || is_behind_plane(trial, triangle))
             return 1;
     }
-    return !view->is_ball && is_swept_free(tick, trial, triangle);
+    return !view->is_ball && ((end == END_UNKNOWN && stays_in_front_of_turn(trial, triangle, normal)) ||
+                              is_swept_free(tick, trial, triangle));
 }
 
 /* Whether a triangle of the list is one of a side, and no constraint. */

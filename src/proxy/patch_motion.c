@@ -12,7 +12,7 @@
 #include "proxy/proxy_motion.h"
 #include "proxy/solved_motion.h"
 
-enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3 };
+enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3, AGAIN_MAX = 2 };
 
 /*
  * A tick's first look reaches so many times as far as is expected of its motions together. That of a line is less
@@ -22,7 +22,25 @@ enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 #define LOOK_AHEAD_LINE 1.5
 
 /* As a share of a motion: where the patch has less than that of it, it is left to a sweep. */
-#define LONG_WAY 0.25
+#define LONG_WAY 0.02
+
+/*
+ * A motion is at most so many times as long as the last one of the tick, or, as a multiple of the clearance, that long: what is
+ * solved for holds for short ways, and the proof of a way that ends early is in vain.
+ */
+#define TRUST       2.0
+#define TRUST_LEAST 1000.0
+
+/* As a share of a motion that could not be proven: so long is the next one that is tried; as a multiple of the clearance. */
+#define AGAIN       0.2
+#define AGAIN_LEAST 10.0
+
+/*
+ * Units of work of a tick after which it makes no more motions, and as a share of the way that was left: where the proxy is
+ * that near to where it is held, it goes on.
+ */
+#define WORK_LONG 600
+#define ARRIVING  0.02
 
 /* As a multiple of the clearance: a motion is so much shorter than the view reaches. */
 #define SHORTER 2.0
@@ -33,7 +51,7 @@ enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3 };
 /* As a share of the clearance: gaps that differ by less are the same. */
 #define AS_NEAR 0.01
 
-enum { MOTION_DONE, MOTION_MADE, MOTION_NONE };
+enum { MOTION_DONE, MOTION_MADE, MOTION_AGAIN, MOTION_NONE };
 
 /* m: no point of the axis goes farther by the motion that was solved for. */
 static double farthest(const struct proxy_tick *tick)
@@ -190,13 +208,32 @@ static int make(struct proxy_tick *tick, const struct patch_view *view, struct p
     return 1;
 }
 
+/* A motion was not proven: a shorter one may be. */
+static int try_shorter(const struct proxy_tick *tick, struct patch_view *view, const struct patch_motion *motion)
+{
+    if (view->is_listed || view->again_count == AGAIN_MAX)
+        return MOTION_NONE;
+    const double size = motion->share * norm_of(motion->straight, proxy_unknowns(tick->proxy));
+    if (!(size > AGAIN_LEAST * tick->clearance))
+        return MOTION_NONE;
+    view->again_count++;
+    view->trust = AGAIN * size;
+    return MOTION_AGAIN;
+}
+
+static void bring_nearer(double *wanted, double share)
+{
+    for (int k = 0; k < HALF_SPACE_DIMENSIONS; k++)
+        wanted[k] *= share;
+}
+
 static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, struct patch_view *view)
 {
     struct proxy *proxy = tick->proxy;
     const double near = view->near;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
-    struct patch_motion motion;
+    struct patch_motion motion = { .share = 0.0 };
     enum patch_proof proof = PATCH_ADDED;
     double aim = 1.0; /* the share of the way to the goal that is solved for */
     int has_widened = 0;
@@ -206,8 +243,11 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
     if (!look(tick, view, *reach, hint))
         return MOTION_NONE;
     for (int solves = 0; proof == PATCH_ADDED; solves++) {
-        if (solves == SOLVES_MAX || work_left(&tick->world->work) < PATCH_WORK ||
-            !dpti_proxy_solve_rubbing(tick, wanted))
+        if (solves == SOLVES_MAX) {
+            proof = PATCH_CROWDED;
+            break;
+        }
+        if (work_left(&tick->world->work) < PATCH_WORK || !dpti_proxy_solve_rubbing(tick, wanted))
             return MOTION_NONE;
         work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
         const double size = norm_of(tick->solved.y, proxy_unknowns(proxy));
@@ -218,7 +258,8 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
             dpti_proxy_remember_active(tick);
             return MOTION_DONE;
         }
-        const double far = min_of(1.0, *allowed / size) * farthest(tick);
+        const double trusted = min_of(*allowed, view->trust);
+        const double far = min_of(1.0, trusted / size) * farthest(tick);
         const double farthest_allowed = view->covered - SHORTER * tick->clearance;
         const double gathered = max_of(*reach, view->reach - SHORTER * tick->clearance);
         if (far > min_of(gathered, farthest_allowed) && !has_widened) {
@@ -226,25 +267,32 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
             has_widened = 1;
             if (!look(tick, view, *reach, hint))
                 return MOTION_NONE;
+            if (size > trusted) {
+                aim = trusted / size;
+                bring_nearer(wanted, aim);
+            }
             continue;
         }
         /* The tree is made for ways as long as this. */
         if (farthest_allowed < LONG_WAY * far)
             return MOTION_NONE;
-        const double longest = min_of(1.0, farthest_allowed / far) * min_of(size, *allowed);
+        const double longest = min_of(1.0, farthest_allowed / far) * min_of(size, trusted);
         if (aim == 1.0 && size > longest) {
             /* What holds a tool that goes far tells little of where it begins to go. */
             aim = longest / size;
-            for (int k = 0; k < HALF_SPACE_DIMENSIONS; k++)
-                wanted[k] *= aim;
+            bring_nearer(wanted, aim);
             continue;
         }
         choose(tick, view, wanted, longest, aim == 1.0, &motion);
         proof = prove(tick, view, &way, wanted, left, *reach, &motion);
     }
     *reach = near;
-    return proof != PATCH_CROWDED && make(tick, view, &motion, proof == PATCH_FREE, allowed) ? MOTION_MADE
-                                                                                             : MOTION_NONE;
+    if (proof != PATCH_FREE && try_shorter(tick, view, &motion) == MOTION_AGAIN)
+        return MOTION_AGAIN;
+    if (proof == PATCH_CROWDED || !make(tick, view, &motion, proof == PATCH_FREE, allowed))
+        return MOTION_NONE;
+    view->trust = max_of(TRUST_LEAST * tick->clearance, TRUST * proxy->last_motion);
+    return MOTION_MADE;
 }
 
 /* How a tick began, before the tool went with a body. */
@@ -297,11 +345,20 @@ static int carry(struct proxy_tick *tick, const struct body *body, double *allow
     return 0;
 }
 
+/* Whether the tick has taken long, and its proxy is far from where it is held: it goes on in the next tick. */
+static int is_enough(const struct proxy_tick *tick, uint32_t done)
+{
+    const struct proxy *proxy = tick->proxy;
+    return tick->world->work.done - done >= WORK_LONG &&
+           proxy->lag - proxy->last_motion > ARRIVING * way_between(tick, &tick->at, &tick->goal);
+}
+
 int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
 {
     struct proxy *proxy = tick->proxy;
     struct patch_view view;
     struct start start;
+    const uint32_t done = tick->world->work.done;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
     const double free = tick->gap - length(way.shift) - proxy->extent * length(way.turn);
     if ((!tick->is_before && free > tick->clearance) || !dpti_patch_begin(tick, &view) ||
@@ -318,6 +375,8 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
     tick->is_waiting = 0;
     for (int i = 0; i < MOTIONS_MAX; i++) {
         const int result = follow_once(tick, allowed, &reach, &view);
+        if (result == MOTION_AGAIN)
+            continue;
         if (result == MOTION_NONE && start.is_before && !tick->is_moved)
             go_back(tick, &start, allowed);
         if (result == MOTION_NONE)
@@ -326,11 +385,11 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
         if (i == 0 && start.carried > 0.0)
             *allowed = max_of(0.0, start.allowed - way_between(tick, &start.at, &tick->at));
         tick->is_settled = result == MOTION_DONE;
-        if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance)
+        if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance || is_enough(tick, done))
             break;
     }
     if (!tick->is_moved)
-        dpti_patch_leave(&view);
+        dpti_patch_leave(tick, &view);
     /* The last constraints are kept. */
     settle(tick, &view, tick->is_settled || dpti_patch_look(tick, &view, view.near));
     return 1;

@@ -34,6 +34,7 @@ struct proxy_patch {
     uint32_t count;   /* of leaves */
     /* Of a tool's first one: where a tick found nothing to do, or no list, and left the tool to searches. */
     struct patch_place still;    /* of the tool's first segment */
+    vec3 led[2];                 /* where the device had the ends of that, in the world */
     uint32_t crowded;            /* no list could be made: it is tried again after so many motions */
     uint32_t is_off;             /* 1: none of the tool's is used, as a test wants */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
@@ -90,10 +91,12 @@ struct patch_view {
     int is_made;   /* there is a list */
     int is_listed; /* motions stay within the list: beside a ball, and of tips */
     int has_tips;
+    int again_count;     /* motions in this tick that were tried again, but shorter */
     double near;         /* m: the nearest pairs are looked for up to that gap */
     double reach;        /* m: no triangle outside of the list has a gap below that */
     double covered;      /* m: the same of triangles outside of the patches, and of other bodies */
     double wished;       /* m: the longest reach that was asked for in this tick */
+    double trust;        /* m: no longer motion is tried next */
     double room;         /* m: a longer reach had no room in the patches in this tick */
     struct frame placed; /* the tool, for the axes */
     uint32_t axis_count, side_count, tip_count, count;
@@ -189,7 +192,7 @@ static inline double patch_height(const struct patch_way *way, vec3 normal, cons
 }
 
 /* The tick has made no motion. While the tool is there, it is not worth a look: what is known there serves as well. */
-void dpti_patch_leave(struct patch_view *view);
+void dpti_patch_leave(const struct proxy_tick *tick, struct patch_view *view);
 
 /* The nearest pairs at tick->at become the answers of segments and tips. Returns 0 if the view does not have those of all. */
 int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view);

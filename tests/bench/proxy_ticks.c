@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What a tick of a proxy takes, without contacts: a ball of 1 mm, a line of 0.1 m with a radius of 1 mm, a fork of three
- * segments; and tools with a tip of 30 mm at the end of a point: a blade, a plate and a cone of 16 corners.
+ * What a tick of a proxy takes, without contacts: a ball of 1 mm, a line of 0.1 m with a radius of 1 mm, a thin one of
+ * 0.2 m without, a fork of three segments; and tools with a tip of 30 mm at the end of a point: a blade, a plate and a cone of 16 corners.
  *
  *     open   20 mm above the mesh, at 0.1 m/s
  *     rest   pressed 3 mm in, with a tremor of 0.05 mm
@@ -29,7 +29,7 @@
 #include "timing.h"
 
 enum { OPEN, REST, WIPE, FAST, POKE, MOVE, TWIN, SWAY, MOTIONS };
-enum { BALL, LINE, FORK, BLADE, PLATE, CONE, TOOLS };
+enum { BALL, LINE, THIN, FORK, BLADE, PLATE, CONE, TOOLS };
 
 static const char *const hand_motions[MOTIONS] = { "open", "rest", "wipe", "fast", "poke", "move", "twin", "sway" };
 
@@ -41,6 +41,7 @@ static const struct {
     double extent[3];
 } tools[TOOLS] = { { "ball", 1, { { { 0, 0, 0 }, { 0, 0, 0 }, 1e-3 } }, UINT32_MAX, 0, { 0 } },
                    { "line", 1, { { { 0, 0, 0 }, { 0, 0, 0.1 }, 1e-3 } }, UINT32_MAX, 0, { 0 } },
+                   { "thin", 1, { { { 0, 0, 0 }, { 0, 0, 0.2 }, 0 } }, UINT32_MAX, 0, { 0 } },
                    { "fork",
                      3,
                      { { { 0, 0, 0.02 }, { 0, 0, 0.1 }, 1e-3 },
