@@ -2,6 +2,7 @@
 /* A proxy while bodies come, go and move unseen, and while its tool changes: where it starts again, and where not. */
 #include "lib/rig.h"
 #include "lib/solid.h"
+#include "proxy/swept_rig.h"
 
 static const dpt_segment needle = { { 0, 0, 0 }, { 0, 0, 0.02 }, 0.002 };
 
@@ -172,9 +173,10 @@ static void a_free_segment_may_turn_back(void)
 }
 
 /*
- * The device jumps along a torus in one tick, and waits. With 50 units a tick for its sweeps a proxy gets to the device
- * where one does that has all it needs, only later: some motions are tried in vain, and what it was allowed to move it
- * still may. At the speed of a fold a jump would take 100 to 250 ticks. A few are caught by the surface on the way.
+ * The device jumps along a torus in one tick, and waits; the proxy is swept. With 50 units a tick for its sweeps a proxy
+ * gets to the device where one does that has all it needs, only later: some motions are tried in vain, and what it was
+ * allowed to move it still may. At the speed of a fold a jump would take 100 to 250 ticks. A few are caught by the surface
+ * on the way.
  */
 static void little_for_sweeps_only_delays(void)
 {
@@ -196,6 +198,7 @@ static void little_for_sweeps_only_delays(void)
             dpt_world_def def = rig_def(DPT_LAW_PROXY);
             def.sweep_budget = is_limited ? UNITS : 0;
             rig_open(&rig, &def, torus.mesh, &needle, 1);
+            rig_use_sweeps(&rig);
             memcpy(rig.device.position, from, sizeof from);
             rig_place(&rig);
             int is_straight = rig.force.reason == DPT_FORCE_FREE;

@@ -9,6 +9,7 @@
  */
 #include "lib/rig.h"
 #include "lib/solid.h"
+#include "proxy/swept_rig.h"
 
 #define LENGTH 0.2
 #define RADIUS 0.004
@@ -302,6 +303,7 @@ static void nothing_pulls_in_the_open(void)
     struct hand hand, whole;
     open_hand(&hand, &torus, (struct limits){ 0, 20 });
     open_hand(&whole, &torus, (struct limits){ 0, 0 });
+    rig_use_sweeps(&hand.rig);
     for (uint64_t i = 0; i < part_of(JUMPS); i++) {
         double ends[6], direction[3];
         random_unit(&seed, direction);
@@ -335,7 +337,7 @@ static void nothing_pulls_in_the_open(void)
 }
 
 /*
- * The device is pressed into the top of a box, and jumps off its edge. What is felt when the proxy, late, has come round
+ * The device is pressed into the top of a box, and jumps off its edge; the proxy is swept. What is felt when the proxy, late, has come round
  * the edge to the device ends no faster than at the speed of a fold.
  */
 static void a_push_ends_in_pace(void)
@@ -349,6 +351,7 @@ static void a_push_ends_in_pace(void)
         double ends[6] = { 0.5 * side, -0.5 * LENGTH, top + 0.003, 0.5 * side, 0.5 * LENGTH, top + 0.003 };
         struct hand hand;
         open_hand(&hand, &box, (struct limits){ 0, sweep });
+        rig_use_sweeps(&hand.rig);
         pose_of(ends, &hand.rig.device);
         rig_place(&hand.rig);
         for (int i = 0; i < 100; i++) {
@@ -387,7 +390,7 @@ static void place_wall(double u, double v, double x[3])
     x[2] = WAVE * sin(60 * u) * sin(60 * v);
 }
 
-/* The device jumps through a wall and shakes behind it. What no sweep has come to the end of is no way. */
+/* The device jumps through a wall and shakes behind it; the proxy is swept. What no sweep has come to the end of is no way. */
 static void no_wall_is_passed(void)
 {
     enum { JUMPS = 400, TICKS = 30 };
@@ -401,6 +404,7 @@ static void no_wall_is_passed(void)
         int is_replaced = 0;
         struct hand hand;
         open_hand(&hand, &wall, (struct limits){ 0, 10 + 10 * (uint32_t)(i % 8) });
+        rig_use_sweeps(&hand.rig);
         for (int k = 0; k < 3; k++) {
             ends[k] = random_in(&seed, k < 2 ? -0.1 : 0.03, k < 2 ? 0.1 : 0.05);
             ends[k + 3] = ends[k] + random_in(&seed, k == 0 ? 0.06 : 0.0, k == 2 ? 0.05 : 0.1);
