@@ -141,7 +141,7 @@ static void a_fast_line_has_no_long_ticks(void)
         (unsigned long long)held, (unsigned long long)ticks, (unsigned long long)blocks[ticks / 2],
         (unsigned long long)blocks[ticks * 99 / 100], (unsigned long long)blocks[ticks - 1], most);
     CHECK(held > ticks / 2, "%llu", (unsigned long long)held);
-    CHECK(blocks[ticks * 99 / 100] < 8 * blocks[ticks / 2] && blocks[ticks - 1] < 12 * blocks[ticks / 2], "%llu, %llu",
+    CHECK(blocks[ticks * 99 / 100] < 6 * blocks[ticks / 2] && blocks[ticks - 1] < 9 * blocks[ticks / 2], "%llu, %llu",
           (unsigned long long)blocks[ticks * 99 / 100], (unsigned long long)blocks[ticks - 1]);
     rig_close(&rig);
     solid_close(&star);
