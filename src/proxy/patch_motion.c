@@ -389,7 +389,7 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
             break;
     }
     if (!tick->is_moved)
-        dpti_patch_leave(tick, &view);
+        dpti_patch_leave(&view);
     /* The last constraints are kept. */
     settle(tick, &view, tick->is_settled || dpti_patch_look(tick, &view, view.near));
     return 1;

@@ -19,9 +19,6 @@ enum { BODIES_MAX = 16 };
 /* As a multiple of the clearance: beside a line no farther triangles are listed before a motion may meet them. */
 #define LISTED_LINE 400.0
 
-/* As a multiple of the clearance: a device that goes farther may take along a tool that stayed where it was. */
-#define LED 400.0
-
 /* With tips a longer way is left to sweeps, which are cheaper there. */
 #define REACH_TIPS 400.0
 
@@ -45,24 +42,12 @@ static void ends_at(const struct patch_view *view, struct part part, const struc
     *b = view->is_ball ? *a : frame_to_world(&at->frame, part.tip ? part.tip->hull->axis_b : part.segment->b);
 }
 
-/* m: how far the device is from where it was when the tool was left to searches, by the ends of the first segment. */
-static double led_since(const struct proxy_tick *tick, const struct patch_view *view)
-{
-    vec3 a, b;
-    ends_at(view, view->axes[0].part, &tick->goal, &a, &b);
-    return max_of(length(sub(a, view->first->led[0])), length(sub(b, view->first->led[1])));
-}
-
-/*
- * Whether the tool is where it was left to searches, and the device not far from where it was then; else that is where it is
- * now, for as long as it is crowded there.
- */
-static int was_left_here(const struct proxy_tick *tick, const struct patch_view *view)
+/* Whether the tool is where it was left to searches; else that is where it is now, for as long as it is crowded there. */
+static int was_left_here(const struct patch_view *view)
 {
     struct proxy_patch *first = view->first;
     const struct patch_place now = place_of(view);
-    if (first->still.body_id == now.body_id && is_same(first->still.a, now.a) && is_same(first->still.u, now.u) &&
-        led_since(tick, view) <= LED * tick->clearance)
+    if (first->still.body_id == now.body_id && is_same(first->still.a, now.a) && is_same(first->still.u, now.u))
         return 1;
     if (!first->crowded)
         return 0;
@@ -88,10 +73,9 @@ static const struct body *nearest_body(const struct dpt_world *world, const stru
     return nearest;
 }
 
-void dpti_patch_leave(const struct proxy_tick *tick, struct patch_view *view)
+void dpti_patch_leave(struct patch_view *view)
 {
     view->first->still = place_of(view);
-    ends_at(view, view->axes[0].part, &tick->goal, &view->first->led[0], &view->first->led[1]);
 }
 
 /* m: how far the farther end went, or any corner of a tip. */
@@ -153,7 +137,8 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
         axis->part = tool_part(world, tool, i);
         ends_at(view, axis->part, &tick->at, &axis->a, &axis->b);
     }
-    if (was_left_here(tick, view))
+    tick->is_left = was_left_here(view);
+    if (tick->is_left)
         return 0;
     view->near = (view->is_ball ? NEAR : NEAR_LINE) * tick->clearance;
     view->reach = view->covered = view->wished = 0.0;
@@ -438,7 +423,7 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
         view->covered - moved < min_of(reach, view->room)) {
         if (!look_anew(tick, view, reach)) {
             view->first->crowded = CROWDED_MOTIONS;
-            dpti_patch_leave(tick, view);
+            dpti_patch_leave(view);
             return 0;
         }
     } else if (moved > 0.0) {

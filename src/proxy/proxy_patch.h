@@ -34,7 +34,6 @@ struct proxy_patch {
     uint32_t count;   /* of leaves */
     /* Of a tool's first one: where a tick found nothing to do, or no list, and left the tool to searches. */
     struct patch_place still;    /* of the tool's first segment */
-    vec3 led[2];                 /* where the device had the ends of that, in the world */
     uint32_t crowded;            /* no list could be made: it is tried again after so many motions */
     uint32_t is_off;             /* 1: none of the tool's is used, as a test wants */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
@@ -192,7 +191,7 @@ static inline double patch_height(const struct patch_way *way, vec3 normal, cons
 }
 
 /* The tick has made no motion. While the tool is there, it is not worth a look: what is known there serves as well. */
-void dpti_patch_leave(const struct proxy_tick *tick, struct patch_view *view);
+void dpti_patch_leave(struct patch_view *view);
 
 /* The nearest pairs at tick->at become the answers of segments and tips. Returns 0 if the view does not have those of all. */
 int dpti_patch_answer(struct proxy_tick *tick, const struct patch_view *view);

@@ -273,13 +273,13 @@ static void step_aside(struct proxy_tick *tick)
     tick->lift = tick->clearance;
 }
 
-/* Make motions until iterations, work or `*allowed` end: how far the proxy may still move. */
-static void follow_all(struct proxy_tick *tick, double *allowed)
+/* Make motions until `most`, work or `*allowed` end: how far the proxy may still move. 0: there may be more to make. */
+static int follow_some(struct proxy_tick *tick, int most, double *allowed)
 {
     const struct work *work = &tick->world->work;
     tick->proxy->owed = 0.0;
     tick->is_waiting = 0;
-    for (int i = 0; i < ITERATIONS_MAX; i++) {
+    for (int i = 0; i < most; i++) {
         int result = follow_once(tick, allowed);
         if (tick->is_before && (i + 1 >= PUSHES_MAX || work_is_spent(work)) && dpti_proxy_carry(tick))
             result = FOLLOW_MOVED;
@@ -287,16 +287,32 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
             step_aside(tick);
         if (result == FOLLOW_DONE) {
             tick->is_settled = 1;
-            return;
+            return 1;
         }
         if (is_spent(tick)) {
             tick->is_waiting = 1;
             tick->proxy->owed = *allowed;
-            return;
+            return 1;
         }
         if (!tick->is_before && *allowed <= PROXY_MOTION_SMALL * tick->clearance)
-            return;
+            return 1;
     }
+    return 0;
+}
+
+/*
+ * Follow the device: within patches where that is possible. A tool that was left where it stayed and is taken along goes on
+ * with them after one motion.
+ */
+static void follow_all(struct proxy_tick *tick, double *allowed)
+{
+    if (dpti_patch_follow(tick, allowed))
+        return;
+    if (!tick->is_before)
+        find_again(tick);
+    if (tick->is_left && !tick->is_before && (follow_some(tick, 1, allowed) || dpti_patch_follow(tick, allowed)))
+        return;
+    follow_some(tick, ITERATIONS_MAX, allowed);
 }
 
 /* m: how far a proxy may move, so that what is felt changes by no more than proxy->pace. */
@@ -326,11 +342,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
         dpti_proxy_follow_channel(tick, allowed, dt);
         return;
     }
-    if (!dpti_patch_follow(tick, &allowed)) {
-        if (!tick->is_before)
-            find_again(tick);
-        follow_all(tick, &allowed);
-    }
+    follow_all(tick, &allowed);
     if (tick->is_before || tick->gap < 0.0) {
         proxy->flags |= DPT_FORCE_FLAG_SQUEEZED;
         if (!give_way(tick)) {
