@@ -270,8 +270,8 @@ static int is_known_clear(const struct proxy_tick *tick, const struct patch_view
 }
 
 /*
- * Whether a plane that turns, from that across a triangle's nearest pair at the start of the motion to a normal at its end,
- * parts a line from it all the time. A height over it is a polynomial of the second degree in time, and these are what
+ * Whether a plane that turns parts a line from a triangle all the time: from that across their nearest pair at the start
+ * of the motion to a normal at its end. A height over it is a polynomial of the second degree in time, and these are what
  * remains of Bernstein's coefficients.
  */
 static int stays_in_front_of_turn(const struct trial *trial, const struct patch_triangle *triangle, vec3 end)

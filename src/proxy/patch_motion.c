@@ -25,18 +25,18 @@ enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3, AGAIN_MAX = 2 };
 #define LONG_WAY 0.02
 
 /*
- * A motion is at most so many times as long as the last one of the tick, or, as a multiple of the clearance, that long: what is
- * solved for holds for short ways, and the proof of a way that ends early is in vain.
+ * A motion is at most so many times as long as the last one of the tick, or, as a multiple of the clearance, that long:
+ * what is solved for holds for short ways, and the proof of a way that ends early is in vain.
  */
 #define TRUST       2.0
 #define TRUST_LEAST 1000.0
 
-/* As a share of a motion that could not be proven: so long is the next one that is tried; as a multiple of the clearance. */
+/* As a share of a motion that could not be proven: so long is the next one. What is too short for that, in clearances. */
 #define AGAIN       0.2
 #define AGAIN_LEAST 10.0
 
 /*
- * Units of work of a tick after which it makes no more motions, and as a share of the way that was left: where the proxy is
+ * Units of work after which a tick makes no more motions, and as a share of the way that was left: where the proxy is
  * that near to where it is held, it goes on.
  */
 #define WORK_LONG 600

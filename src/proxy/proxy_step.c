@@ -301,8 +301,8 @@ static int follow_some(struct proxy_tick *tick, int most, double *allowed)
 }
 
 /*
- * Follow the device: within patches where that is possible. A tool that was left where it stayed and is taken along goes on
- * with them after one motion.
+ * Follow the device: within patches where that is possible. A tool that was left where it stayed, and is taken along,
+ * goes on with them after one motion.
  */
 static void follow_all(struct proxy_tick *tick, double *allowed)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * What a tick of a proxy takes, without contacts: a ball of 1 mm, a line of 0.1 m with a radius of 1 mm, a thin one of
- * 0.2 m without, a fork of three segments; and tools with a tip of 30 mm at the end of a point: a blade, a plate and a cone of 16 corners.
+ * 0.2 m without, a fork of three segments; and tools with a tip of 30 mm at the end of a point: a blade, a plate and a
+ * cone of 16 corners.
  *
  *     open   20 mm above the mesh, at 0.1 m/s
  *     rest   pressed 3 mm in, with a tremor of 0.05 mm

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A rig whose proxy is swept in each tick, as those tools are that have no patch of surface (docs/algorithms/patch.md). */
+/* A rig whose proxy is swept in each tick, as those of tools are that have no patch (docs/algorithms/patch.md). */
 #ifndef DPT_SWEPT_RIG_H
 #define DPT_SWEPT_RIG_H
 

@@ -175,8 +175,8 @@ static void a_free_segment_may_turn_back(void)
 /*
  * The device jumps along a torus in one tick, and waits; the proxy is swept. With 50 units a tick for its sweeps a proxy
  * gets to the device where one does that has all it needs, only later: some motions are tried in vain, and what it was
- * allowed to move it still may. At the speed of a fold a jump would take 100 to 250 ticks. A few are caught by the surface
- * on the way.
+ * allowed to move it still may. At the speed of a fold a jump would take 100 to 250 ticks. A few are caught by the
+ * surface on the way.
  */
 static void little_for_sweeps_only_delays(void)
 {

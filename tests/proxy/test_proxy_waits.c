@@ -337,8 +337,8 @@ static void nothing_pulls_in_the_open(void)
 }
 
 /*
- * The device is pressed into the top of a box, and jumps off its edge; the proxy is swept. What is felt when the proxy, late, has come round
- * the edge to the device ends no faster than at the speed of a fold.
+ * The device is pressed into the top of a box, and jumps off its edge; the proxy is swept. What is felt when the proxy,
+ * late, has come round the edge to the device ends no faster than at the speed of a fold.
  */
 static void a_push_ends_in_pace(void)
 {
@@ -390,7 +390,7 @@ static void place_wall(double u, double v, double x[3])
     x[2] = WAVE * sin(60 * u) * sin(60 * v);
 }
 
-/* The device jumps through a wall and shakes behind it; the proxy is swept. What no sweep has come to the end of is no way. */
+/* The device jumps through a wall and shakes behind it; the proxy is swept. What no sweep has ended is no way. */
 static void no_wall_is_passed(void)
 {
     enum { JUMPS = 400, TICKS = 30 };

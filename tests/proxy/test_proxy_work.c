@@ -10,8 +10,8 @@
  * A ball has one contact, whose proof is one search. Where the proof of one sample of its axis does not count for the
  * others, there are 23, and twice as much work as in the rest of the tick.
  *
- * A line that is led at 1 m/s among spikes is tens of millimetres behind its device in many ticks. Such a tick ends when it
- * has taken long; one that tries each way to its end takes five times as much.
+ * A line that is led at 1 m/s among spikes is tens of millimetres behind its device in many ticks. Such a tick ends when
+ * it has taken long; one that tries each way to its end takes five times as much.
  *
  *     test_proxy_work [PER CENT of the ticks = 100]
  */
