@@ -25,8 +25,8 @@ enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3, AGAIN_MAX = 2 };
 #define LONG_WAY 0.02
 
 /*
- * A motion is at most so many times as long as the last one of the tick, or, as a multiple of the clearance, that long:
- * what is solved for holds for short ways, and the proof of a way that ends early is in vain.
+ * A motion of a fast tick is at most so many times as long as the last one, or as long as the longest one, or, as a multiple
+ * of the clearance, that long: what is solved for holds for short ways, and the proof of a way that ends early is in vain.
  */
 #define TRUST       2.0
 #define TRUST_LEAST 1000.0
@@ -36,7 +36,7 @@ enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3, AGAIN_MAX = 2 };
 #define AGAIN_LEAST 10.0
 
 /*
- * Units of work after which a tick makes no more motions, and as a share of the way that was left: where the proxy is
+ * Units of work after which a fast tick makes no more motions, and as a share of the way that was left: where the proxy is
  * that near to where it is held, it goes on.
  */
 #define WORK_LONG 600
@@ -291,7 +291,10 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
         return MOTION_AGAIN;
     if (proof == PATCH_CROWDED || !make(tick, view, &motion, proof == PATCH_FREE, allowed))
         return MOTION_NONE;
-    view->trust = max_of(TRUST_LEAST * tick->clearance, TRUST * proxy->last_motion);
+    view->longest = max_of(view->longest, proxy->last_motion);
+    view->trust = tick->is_fast
+                      ? max_of(max_of(TRUST_LEAST * tick->clearance, view->longest), TRUST * proxy->last_motion)
+                      : HUGE_VAL;
     return MOTION_MADE;
 }
 
@@ -349,7 +352,7 @@ static int carry(struct proxy_tick *tick, const struct body *body, double *allow
 static int is_enough(const struct proxy_tick *tick, uint32_t done)
 {
     const struct proxy *proxy = tick->proxy;
-    return tick->world->work.done - done >= WORK_LONG &&
+    return tick->is_fast && tick->world->work.done - done >= WORK_LONG &&
            proxy->lag - proxy->last_motion > ARRIVING * way_between(tick, &tick->at, &tick->goal);
 }
 

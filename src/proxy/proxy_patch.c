@@ -143,6 +143,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
     view->near = (view->is_ball ? NEAR : NEAR_LINE) * tick->clearance;
     view->reach = view->covered = view->wished = 0.0;
     view->room = view->trust = HUGE_VAL;
+    view->longest = 0.0;
     view->again_count = 0;
     view->is_made = 0;
     view->side_count = view->tip_count = view->count = 0;

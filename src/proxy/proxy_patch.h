@@ -95,6 +95,7 @@ struct patch_view {
     double reach;        /* m: no triangle outside of the list has a gap below that */
     double covered;      /* m: the same of triangles outside of the patches, and of other bodies */
     double wished;       /* m: the longest reach that was asked for in this tick */
+    double longest;      /* m: of the motions that were made in this tick */
     double trust;        /* m: no longer motion is tried next */
     double room;         /* m: a longer reach had no room in the patches in this tick */
     struct frame placed; /* the tool, for the axes */

@@ -333,6 +333,7 @@ static void follow(struct proxy_tick *tick, double device_moved, double dt)
     const double owed = proxy->owed;
     double allowed = is_released ? HUGE_VAL : motion_allowed(tick, device_moved, dt) + others_moved + owed;
     const double cap = allowed;
+    tick->is_fast = device_moved > 0.5 * PROXY_FOLD_SPEED * dt;
     proxy->pace = is_released ? HUGE_VAL : 3.0 * device_moved + PROXY_FOLD_SPEED * dt + others_moved;
     if (is_released)
         proxy->trust = HUGE_VAL;

@@ -72,6 +72,7 @@ struct proxy_tick {
     int only_aside;   /* while is_before, no way to the goal was found: motions lead out of the bodies' way alone */
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
+    int is_fast;      /* the device moved by more than half of what a fold may in a tick */
     int is_left;      /* the last tick with patches made no motion there, and left it to searches */
     int is_moved;     /* a motion was made in this tick */
     int is_dragged;   /* it went along with a body while it stuck to another one: a motion is to make that good */
