@@ -25,8 +25,9 @@ enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3, AGAIN_MAX = 2 };
 #define LONG_WAY 0.02
 
 /*
- * A motion of a fast tick is at most so many times as long as the last one, or as long as the longest one, or, as a multiple
- * of the clearance, that long: what is solved for holds for short ways, and the proof of a way that ends early is in vain.
+ * A motion of a fast tick is at most so many times as long as the last one, or as long as the longest one, or, as a
+ * multiple of the clearance, that long: what is solved for holds for short ways, and the proof of a way that ends early
+ * is in vain.
  */
 #define TRUST       2.0
 #define TRUST_LEAST 1000.0
@@ -36,8 +37,8 @@ enum { MOTIONS_MAX = 10, SOLVES_MAX = 12, SHORTER_MAX = 3, AGAIN_MAX = 2 };
 #define AGAIN_LEAST 10.0
 
 /*
- * Units of work after which a fast tick makes no more motions, and as a share of the way that was left: where the proxy is
- * that near to where it is held, it goes on.
+ * Units of work after which a fast tick makes no more motions, and as a share of the way that was left: where the proxy
+ * is that near to where it is held, it goes on.
  */
 #define WORK_LONG 600
 #define ARRIVING  0.02
