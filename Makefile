@@ -292,7 +292,7 @@ $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cde
 	  libdynpoint_convex=src/convex libdynpoint_host=src/host
 
 amalgamation: $(B)/amalgamation/LICENSE ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
-$(B)/amalgamation/LICENSE: LICENSE tools/packaging/amalgamate.py tools/packaging/cmake/CMakeLists.txt $(wildcard include/*.h include/*/*.h $(FOLDERS:%=src/%/*.[ch]) src/compile/*.[ch] src/text/*.[ch])
+$(B)/amalgamation/LICENSE: LICENSE $(wildcard tools/packaging/*.py tools/packaging/*.h) tools/packaging/cmake/CMakeLists.txt $(wildcard include/*.h include/*/*.h $(FOLDERS:%=src/%/*.[ch]) src/compile/*.[ch] src/text/*.[ch])
 	@rm -rf $(@D) && mkdir -p $(@D)
 	@$(PYTHON) -B tools/packaging/amalgamate.py $(@D) dynpoint=$(call folders,$(CORE:$(B)/%.o=%.c)) \
 	  dynpoint_compile=$(call folders,$(patsubst $(B)/%.o,%.c,$(COMPILE) $(TEXT)))

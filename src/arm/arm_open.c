@@ -323,8 +323,8 @@ dpt_result dpt_arm_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
         return fail_at(fault, DPT_E_BYTE_ORDER, &header, ARM_HEADER, &header.byte_order);
     DPT_TRY(check_header(&header, size, fault));
     DPT_TRY(check_crc(&header, bytes, fault));
-    DPT_TRY(check_content(bytes, fault));
-    return check_meshes(bytes, NULL, fault);
+    DPT_TRY(check_content((const struct dpt_arm *)bytes, fault));
+    return check_meshes((const struct dpt_arm *)bytes, NULL, fault);
 }
 
 dpt_result dpt_arm_open(const void *bytes, size_t size, const dpt_arm **arm)
@@ -348,8 +348,8 @@ dpt_result dpt_arm_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
     DPT_TRY(check_crc(&header, bytes, fault));
     arm_swap_records(&header, bytes);
     memcpy(bytes, &header, header.header_bytes);
-    DPT_TRY(check_content(bytes, fault));
-    DPT_TRY(check_meshes(bytes, bytes, fault));
+    DPT_TRY(check_content((const struct dpt_arm *)bytes, fault));
+    DPT_TRY(check_meshes((const struct dpt_arm *)bytes, bytes, fault));
     header.crc32 = arm_crc(bytes, size);
     memcpy(bytes, &header, header.header_bytes);
     return DPT_OK;

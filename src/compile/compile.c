@@ -366,7 +366,8 @@ dpt_result dpt_compile_bytes(const void *bytes, size_t size, const dpt_compile_d
     if (result == DPT_OK && !bytes && size)
         result = compile_fail(&call.context, DPT_E_ARGUMENT, nowhere, "no bytes");
     if (result == DPT_OK)
-        result = compile_bytes(&call, call.def.name, size ? bytes : (const void *)"", size, out);
+        result = compile_bytes(&call, call.def.name, size ? (const unsigned char *)bytes : (const unsigned char *)"",
+                               size, out);
     return end_call(&call, result, diag);
 }
 

@@ -115,10 +115,10 @@ static dpt_result explain_fault(const struct compile_context *context, const str
         if (byte < bytes) {
             const size_t index = (size_t)byte / records[i].width;
             const char *name = name_of(&records[i], index);
+            const source_word shown = { name, name + strlen(name) };
             char printable[WORD_SHOWN];
             return compile_fail(context, fault->code, nowhere, "%s %zu%s%s: %s", records[i].what, index,
-                                *name ? ", " : "",
-                                word_printable(&(source_word){ name, name + strlen(name) }, printable),
+                                *name ? ", " : "", word_printable(&shown, printable),
                                 reason_at(records[i].section, (size_t)byte % records[i].width));
         }
         byte -= bytes;

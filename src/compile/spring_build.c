@@ -174,7 +174,7 @@ static int compare_placed(const void *a, const void *b)
 
 static int compare_place(const void *x, const void *placed)
 {
-    return compare_places(x, ((const struct placed *)placed)->x);
+    return compare_places((const float *)x, ((const struct placed *)placed)->x);
 }
 
 /* Fix a vertex of the model: its node, or the nodes that move it. */

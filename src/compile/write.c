@@ -248,32 +248,38 @@ static void fill_moments(const struct dpt_mesh *mesh, float *nodes, struct windi
 /* The content of a section that the model holds ready; NULL for the other sections. */
 static const void *content_of(const struct model *model, int id)
 {
-    const void *const content[MESH_SECTION_COUNT] = {
-        [MESH_VERTICES] = model->positions,
-        [MESH_TRIANGLES] = model->corners,
-        [MESH_NEIGHBOURS] = model->neighbours,
-        [MESH_FAN_FIRST] = model->fan_first,
-        [MESH_FANS] = model->fans,
-        [MESH_PARTS] = model->part_of,
-        [MESH_PART_TABLE] = model->parts,
-        [MESH_SOURCES] = model->sources,
-        [MESH_PLACES] = model->places,
-        [MESH_NORMALS] = model->normals,
-        [MESH_FLAGS] = model->flags,
-        [MESH_VERTEX_SOURCES] = model->vertex_sources,
-        [MESH_EMBED_NODES] = model->embedding_nodes,
-        [MESH_EMBED_WEIGHTS] = model->embedding_weights,
-        [MESH_SPRING_REST] = model->spring_rest,
-        [MESH_SPRING_MASS] = model->spring_mass,
-        [MESH_SPRING_DRAG] = model->spring_drag,
-        [MESH_SPRING_FIRST] = model->spring_first,
-        [MESH_SPRING_ENDS] = model->spring_ends,
-        [MESH_SPRING_STIFFNESS] = model->spring_stiffness,
-        [MESH_SPRING_LENGTH] = model->spring_length,
-        [MESH_CELL_NODES] = model->cell_nodes,
-        [MESH_CELL_STIFFNESS] = model->cell_stiffness,
+    const struct {
+        int id;
+        const void *content;
+    } ready[] = {
+        { MESH_VERTICES, model->positions },
+        { MESH_TRIANGLES, model->corners },
+        { MESH_NEIGHBOURS, model->neighbours },
+        { MESH_FAN_FIRST, model->fan_first },
+        { MESH_FANS, model->fans },
+        { MESH_PARTS, model->part_of },
+        { MESH_PART_TABLE, model->parts },
+        { MESH_SOURCES, model->sources },
+        { MESH_PLACES, model->places },
+        { MESH_NORMALS, model->normals },
+        { MESH_FLAGS, model->flags },
+        { MESH_VERTEX_SOURCES, model->vertex_sources },
+        { MESH_EMBED_NODES, model->embedding_nodes },
+        { MESH_EMBED_WEIGHTS, model->embedding_weights },
+        { MESH_SPRING_REST, model->spring_rest },
+        { MESH_SPRING_MASS, model->spring_mass },
+        { MESH_SPRING_DRAG, model->spring_drag },
+        { MESH_SPRING_FIRST, model->spring_first },
+        { MESH_SPRING_ENDS, model->spring_ends },
+        { MESH_SPRING_STIFFNESS, model->spring_stiffness },
+        { MESH_SPRING_LENGTH, model->spring_length },
+        { MESH_CELL_NODES, model->cell_nodes },
+        { MESH_CELL_STIFFNESS, model->cell_stiffness },
     };
-    return content[id];
+    for (size_t i = 0; i < sizeof ready / sizeof *ready; i++)
+        if (ready[i].id == id)
+            return ready[i].content;
+    return NULL;
 }
 
 /*

@@ -345,7 +345,7 @@ static void put_crossing_samples(struct distance_profile *profile)
     for (uint32_t k = 0; k < profile->crossing_count; k++) {
         const struct crossing *crossing = &profile->crossing[k];
         struct profile_sample sample = {
-            .s = crossing->s, .triangle = crossing->triangle, .start_triangle = crossing->triangle, .is_exact = 1
+            .s = crossing->s, .triangle = crossing->triangle, .is_exact = 1, .start_triangle = crossing->triangle
         };
         memcpy(sample.weight, crossing->weight, sizeof sample.weight);
         sample.normal = dpti_profile_exit_direction(profile, crossing->triangle, crossing->weight);

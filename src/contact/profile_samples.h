@@ -92,6 +92,25 @@ struct warm_start {
  */
 #define PROFILE_WORK_MAX 1600
 
+/* How deep the axis can be between a sample and the next, m, and the place s at which to split the stretch. */
+struct depth_bound {
+    double depth, s;
+    uint32_t can_tighten; /* distances to triangles may lower it */
+    uint32_t reserved;
+};
+
+/* How far the surface is within reach between a sample and the next (contact_integrals.c). */
+struct span {
+    double s; /* of the bend */
+    /* w = reach - height, m: at this sample, at the bend and at the next sample. */
+    double w0, w, w1;
+    double area;           /* integral of w over s, m */
+    double error_estimate; /* of the area, m */
+    /* The surface goes out of reach in this span, and the place is not known well enough. */
+    uint32_t has_loose_end;
+    uint32_t reserved;
+};
+
 /* One point of the axis. Or a mark, whose triangle is DPT_NONE: no triangle is within reach there. */
 struct profile_sample {
     double s; /* 0..1 */
@@ -107,23 +126,8 @@ struct profile_sample {
     uint32_t start_triangle;  /* place of the triangle from which its descent or search started */
     uint32_t has_depth_bound; /* depth_bound is known */
     uint32_t has_span;        /* `span` is known */
-    /* How deep the axis can be between here and the next sample, m, and the place s at which to split the stretch. */
-    struct depth_bound {
-        double depth, s;
-        uint32_t can_tighten; /* distances to triangles may lower it */
-        uint32_t reserved;
-    } depth_bound;
-    /* How far the surface is within reach between here and the next sample (contact_integrals.c). */
-    struct span {
-        double s; /* of the bend */
-        /* w = reach - height, m: at this sample, at the bend and at the next sample. */
-        double w0, w, w1;
-        double area;           /* integral of w over s, m */
-        double error_estimate; /* of the area, m */
-        /* The surface goes out of reach in this span, and the place is not known well enough. */
-        uint32_t has_loose_end;
-        uint32_t reserved;
-    } span;
+    struct depth_bound depth_bound;
+    struct span span;
 };
 
 /* A place where the axis goes through the surface. Sides: +1 outside, -1 inside, 0 not known from this triangle. */
@@ -154,6 +158,13 @@ int32_t dpti_sides_get(const struct sides *sides, uint32_t part);
 
 /* Add the side of a part. Does nothing if one is known already, or if there is no room. */
 void dpti_sides_put(struct sides *sides, uint32_t part, int32_t side);
+
+/* A part of a stretch without a winding number that has one. */
+struct winding_range {
+    double from, to; /* s */
+    int32_t winding;
+    uint32_t reserved;
+};
 
 struct distance_profile {
     /* The caller sets these, and reach, tolerance and work. */
@@ -186,13 +197,8 @@ struct distance_profile {
     /* Side of the axis before crossing k, after the last one for k = crossing_count; 0: each sample has its own. */
     int32_t sign[PROFILE_CROSSINGS + 1];
     int32_t winding[PROFILE_CROSSINGS + 1]; /* of the same stretches, rounded; or WINDING_UNKNOWN */
-    /* Parts of stretches without a winding number that have one. */
     uint32_t winding_range_count;
-    struct winding_range {
-        double from, to; /* s */
-        int32_t winding;
-        uint32_t reserved;
-    } winding_range[PROFILE_WINDING_RANGES];
+    struct winding_range winding_range[PROFILE_WINDING_RANGES];
     /* Stretches of the axis, in s, outside of which no surface is within reach. */
     double reach_from[PROFILE_REACH_INTERVALS];
     double reach_to[PROFILE_REACH_INTERVALS];

@@ -21,15 +21,17 @@ enum {
 #define GOLDEN    0.6180339887498949
 #define RISE_SLOW 0.8
 
+struct border_edge {
+    uint32_t from, to; /* vertices of the mesh */
+    uint32_t part;
+};
+
 /* Border edges of sheets near the tool. */
 struct border_edges {
     const struct surface *surface;
     uint32_t count;
     uint32_t stride; /* one in so many edges is held */
-    struct border_edge {
-        uint32_t from, to; /* vertices of the mesh */
-        uint32_t part;
-    } edge[EDGES_MAX];
+    struct border_edge edge[EDGES_MAX];
 };
 
 /* The depth that a border at `distance` leaves to a point at `height` from the sheet, both in m and >= 0. */

@@ -174,14 +174,16 @@ enum { FAN_MAX = 64 };
 enum { SAMPLES = 64 };
 #define SAMPLE_HEIGHT 1e-6
 
+struct rim {
+    struct box box;
+    double length; /* m: of all its edges */
+};
+
 /* Edges of rims, by where they lie. */
 struct rims {
     uint32_t count;
     double grain; /* m: boxes whose common box is no larger are one */
-    struct rim {
-        struct box box;
-        double length; /* m: of all its edges */
-    } rim[HOLES_MAX + 1];
+    struct rim rim[HOLES_MAX + 1];
 };
 
 static int are_one(const struct rims *rims, const struct rim *a, const struct rim *b)

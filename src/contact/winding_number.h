@@ -27,6 +27,10 @@ double dpti_winding_number(const struct surface *surface, const struct kernel *k
 
 enum { HOLES_MAX = 152 };
 
+struct hole {
+    uint16_t centre[3], radius; /* in units */
+};
+
 /*
  * A rim is where a surface ends: the sum of the directed edges of the solid parts' triangles. The rims within a ball
  * are no longer, together, than a circle of the ball's radius. Holes that are close together share a ball.
@@ -38,9 +42,7 @@ struct holes {
     uint32_t reserved;
     vec3 origin; /* of the balls */
     double unit; /* m */
-    struct hole {
-        uint16_t centre[3], radius; /* in units */
-    } ball[HOLES_MAX];
+    struct hole ball[HOLES_MAX];
 };
 
 static inline vec3 hole_centre(const struct holes *holes, uint32_t i)

@@ -61,7 +61,7 @@ static uint32_t get4(const unsigned char *from)
 /* The checksum of `size` bytes, as if the word at `hole` were 0. */
 static uint32_t crc_around(const struct crc32 *crc, const unsigned char *bytes, size_t size, size_t hole)
 {
-    static const unsigned char zeros[4];
+    static const unsigned char zeros[4] = { 0 };
     uint32_t sum = crc32_more(crc, 0, bytes, hole);
     sum = crc32_more(crc, sum, zeros, sizeof zeros);
     return crc32_more(crc, sum, bytes + hole + sizeof zeros, size - hole - sizeof zeros);

@@ -167,7 +167,7 @@ static const unsigned char *item_at(const struct block *block, enum snapshot_kin
 static void read_item(const struct block *block, enum snapshot_kind kind, uint32_t index, void *item)
 {
     const uint32_t stride = block->section[kind].stride;
-    get_item(kind, item_at(block, kind, index), stride, item);
+    get_item(kind, item_at(block, kind, index), stride, (unsigned char *)item);
     if (kind == SNAPSHOT_TOOLS && stride < snapshot_stride[kind]) {
         dpt_snapshot_tool *tool = item;
         tool->end = tool->proxy;

@@ -216,7 +216,7 @@ static dpt_result check_sample(const dpt_passivity_sample *sample)
 
 static void step(struct observer *observer, const dpt_passivity_sample *sample, dpt_wrench *wrench)
 {
-    static const dpt_wrench zero;
+    static const dpt_wrench zero = { { 0.0 }, { 0.0 } };
     const dpt_pose from = observer->has_pose ? observer->pose : sample->pose;
     const struct motion motion = motion_between(&from, &sample->pose);
     const int under_way = note_sent(observer, &sample->sent, sample->dt);

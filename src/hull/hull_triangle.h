@@ -29,7 +29,7 @@ enum {
 
 /* A pair: p on the hull, q on the triangle, q = the corners weighted by pair.weight, p = q + pair.gap. pair.s is 0. */
 struct hull_pair {
-    pair pair;
+    struct pair pair;
     uint32_t feature; /* or DPT_NONE, where the two meet and no feature's pair is at distance 0 */
 };
 

@@ -480,7 +480,7 @@ static dpt_result check_file(const struct dpt_mesh *header, const void *bytes, s
     DPT_TRY(check_header(header, size, fault));
     DPT_TRY(check_header_crc(bytes, header->header_bytes, crc, header->header_crc32, fault));
     DPT_TRY(check_layout(header, fault));
-    return check_sections_crc(header, bytes, crc, fault);
+    return check_sections_crc(header, (const unsigned char *)bytes, crc, fault);
 }
 
 dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault)
@@ -496,7 +496,7 @@ dpt_result dpt_mesh_verify(const void *bytes, size_t size, dpt_mesh_fault *fault
     struct crc32 crc;
     crc32_init(&crc);
     DPT_TRY(check_file(&header, bytes, size, &crc, fault));
-    return check_content(bytes, fault);
+    return check_content((const struct dpt_mesh *)bytes, fault);
 }
 
 dpt_result dpt_mesh_open(const void *bytes, size_t size, const dpt_mesh **mesh)
@@ -531,5 +531,5 @@ dpt_result dpt_mesh_convert(void *bytes, size_t size, dpt_mesh_fault *fault)
     header.header_crc32 = 0;
     header.header_crc32 = crc32_of(&crc, &header, header.header_bytes);
     memcpy(bytes, &header, header.header_bytes);
-    return check_content(bytes, fault);
+    return check_content((const struct dpt_mesh *)bytes, fault);
 }

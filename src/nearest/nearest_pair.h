@@ -43,7 +43,7 @@ struct best_plane {
 
 /* The best pair so far. */
 struct pair_search {
-    pair pair;            /* in the mesh's frame */
+    struct pair pair;     /* in the mesh's frame */
     uint32_t triangle;    /* the pair's triangle, by its place, or DPT_NONE */
     uint32_t plane_owner; /* place + 1 of the triangle whose pair `plane` belongs to; 0: no plane */
     struct best_plane plane;

@@ -31,8 +31,10 @@ static void list_triangles(struct proxy_tick *tick, double reach)
             part.segment->result.lower_bound - radius <= reach)
             dpti_track_far(tick->world, tool->first_segment + i);
         const struct part_nearest nearest = part_nearest(part);
-        if (nearest.body && nearest.triangle != DPT_NONE && !(nearest.distance - radius > reach))
-            add_triangle(tick, &(struct proxy_triangle){ i, nearest.body->id, nearest.triangle });
+        if (nearest.body && nearest.triangle != DPT_NONE && !(nearest.distance - radius > reach)) {
+            const struct proxy_triangle triangle = { i, nearest.body->id, nearest.triangle };
+            add_triangle(tick, &triangle);
+        }
     }
 }
 

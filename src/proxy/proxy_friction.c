@@ -171,7 +171,7 @@ static struct proxy_contact *find_or_make_contact(struct proxy_tick *tick, uint3
             const struct proxy_triangle *triangle = &tick->triangles[source->triangle];
             found = &tick->proxy->contacts[i];
             *found = (struct proxy_contact){
-                .body_id = triangle->body_id, .segment = triangle->segment, .s = source->s, .at = place_of(tick, space)
+                .s = source->s, .at = place_of(tick, space), .body_id = triangle->body_id, .segment = triangle->segment
             };
         }
     return found;

@@ -21,7 +21,7 @@ struct surface_times {
 /* The first touch of a sweep. */
 struct impact {
     double time;
-    pair pair;         /* of the axis at that time and the triangle, in the mesh's frame */
+    struct pair pair;  /* of the axis at that time and the triangle, in the mesh's frame */
     vec3 q;            /* the pair's point on the mesh */
     uint32_t triangle; /* by its place, or DPT_NONE */
 };

@@ -247,8 +247,10 @@ static double max_approach(const struct moving_piece *moving)
 }
 
 /* What to do with a piece after its time has advanced: nothing, or cut it in two, the triangle between two corners. */
+enum cut_kind { CUT_NONE, CUT_AXIS, CUT_TRIANGLE };
+
 struct cut {
-    enum { CUT_NONE, CUT_AXIS, CUT_TRIANGLE } what;
+    enum cut_kind what;
     int fast, slow; /* the corners */
 };
 

@@ -156,9 +156,9 @@ static void begin_twist(struct tissue_solve *solve, struct tissue_tool *tool, co
     *twist = (struct tissue_twist){ .is_known = 1,
                                     .touch = rub->touch,
                                     .state = rub->twist != 0.0 ? RUB_SLIPS : RUB_STICKS,
-                                    .pull = rub->twist,
                                     .hold = rub->hold,
-                                    .kinetic = rub->kinetic };
+                                    .kinetic = rub->kinetic,
+                                    .pull = rub->twist };
     const uint32_t number = solve->links[rub->touch].body;
     if (number != DPT_NONE && solve->bodies[number].step.yield)
         return;

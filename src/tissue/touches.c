@@ -200,8 +200,8 @@ static void put_vertices(const struct touching_part *part, uint32_t first)
                            .body_id = search->body->id,
                            .triangle = list[first].triangle,
                            .feature = TOUCH_OF_VERTICES | (uint32_t)(list[first].cube >> 32),
-                           .name = (uint32_t)list[first].cube,
-                           .vertices = first + 1 };
+                           .vertices = first + 1,
+                           .name = (uint32_t)list[first].cube };
     double distance = 0.0, nearest = HUGE_VAL;
     for (uint32_t i = first + 1; i; i = list[i - 1].next) {
         const struct touch_vertex *vertex = &list[i - 1];

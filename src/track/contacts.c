@@ -195,8 +195,10 @@ static void update_warm_starts(const struct contact_pair *contact_pair, const st
     if (best)
         persistent->warm_start_count =
             dpti_contact_region_warm_starts(contact_pair->profile, best, persistent->warm_starts, WARM_STARTS_MAX);
-    else if (lowest)
-        dpti_persistent_contact_put_warm_start(persistent, &(struct warm_start){ lowest->s, lowest->triangle, 1.0f });
+    else if (lowest) {
+        const struct warm_start start = { lowest->s, lowest->triangle, 1.0f };
+        dpti_persistent_contact_put_warm_start(persistent, &start);
+    }
 }
 
 /* Carry over last tick's contacts of a pair whose contact is unknown in this tick. */

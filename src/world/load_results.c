@@ -63,8 +63,8 @@ dpt_result dpt_tool_get_loads(const dpt_world *world, dpt_tool tool, dpt_tool_lo
             const dpt_wrench on_body = dpti_loads_of_note(world, owner, &settled, note);
             dpt_tool_load load = { .body = note->body_id,
                                    .segment = note->segment,
-                                   .triangle = note->triangle,
-                                   .contact = contact_of(world, owner, note) };
+                                   .contact = contact_of(world, owner, note),
+                                   .triangle = note->triangle };
             vec3_store(note->at, load.point);
             vec3_store(scaled(vec3_of(on_body.force), -1.0), load.force);
             vec3_store(scaled(vec3_of(on_body.torque), -1.0), load.torque);

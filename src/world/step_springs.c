@@ -397,7 +397,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
     uint32_t touched[TISSUE_BODIES_MAX], count = 0;
     for (uint32_t i = 0; i < list->count; i++) {
         const struct body *body = world_find_body(world, list->bodies[i]);
-        struct tissue_solve *own = deform_of(body)->solve;
+        struct tissue_solve *own = (struct tissue_solve *)deform_of(body)->solve;
         if (!own || !body_is_solved(body) || *result_of(body, list->springs[i]) != DPT_OK)
             continue;
         own->body_count = own->is_full = 0;
@@ -417,7 +417,8 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
         return solve;
     solve->body_count = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const struct tissue_solve *own = deform_of(world_find_body(world, list->bodies[touched[i]]))->solve;
+        const struct tissue_solve *own =
+            (struct tissue_solve *)deform_of(world_find_body(world, list->bodies[touched[i]]))->solve;
         work_spend(&solve->work, own == solve ? 0 : own->work.done);
         take_body(solve, world, list, touched[i]);
     }
@@ -429,7 +430,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
 static struct tissue_solve *resting_solve(const struct dpt_world *world, const struct step_list *list, double dt)
 {
     for (uint32_t i = 0; i < list->count; i++) {
-        struct tissue_solve *solve = deform_of(world_find_body(world, list->bodies[i]))->solve;
+        struct tissue_solve *solve = (struct tissue_solve *)deform_of(world_find_body(world, list->bodies[i]))->solve;
         uint32_t found = 0;
         for (uint32_t b = 0; solve && b < solve->body_count; b++) {
             const uint32_t number = solve->bodies[b].number;
@@ -466,8 +467,8 @@ static void hold(struct dpt_world *world, struct body *body, struct dpt_springs 
 {
     const dpt_springs_info told = { .size = sizeof told,
                                     .nodes = springs ? springs->net.nodes : body->surface.mesh->vertices,
-                                    .result = *result_of(body, springs),
-                                    .stable_step = springs ? springs->stable_step : 0.0 };
+                                    .stable_step = springs ? springs->stable_step : 0.0,
+                                    .result = *result_of(body, springs) };
     body->held_tick = world_coming_tick(world);
     if (info)
         sized_write(info, info->size, &told, sizeof told);

@@ -227,7 +227,7 @@ dpt_result dpt_tool_set_tips(dpt_world *world, dpt_tool tool, const dpt_tip *tip
     struct tip *added = dpti_tips_add(world, found, count);
     for (uint32_t i = 0; i < count; i++) {
         read_tip(tips, i, &tip);
-        added[i] = (struct tip){ .given = tip.hull, .trust = HUGE_VAL, .wanted = tip.pose ? *tip.pose : identity };
+        added[i] = (struct tip){ .given = tip.hull, .wanted = tip.pose ? *tip.pose : identity, .trust = HUGE_VAL };
         dpti_tip_put(world, &added[i], &added[i].wanted);
         added[i].home_a = added[i].hull->axis_a;
         added[i].home_b = added[i].hull->axis_b;

@@ -76,7 +76,7 @@ void dpti_tool_clear(struct dpt_world *world, struct tool *tool)
         memset(&segment->penetration, 0, sizeof segment->penetration);
         memset(&segment->felt_penetration, 0, sizeof segment->felt_penetration);
         segment->may_have_crossed = segment->has_given_up_push = 0;
-        segment->sweep = (dpt_sweep){ .size = sizeof segment->sweep, .triangle = DPT_NONE, .segment = i };
+        segment->sweep = (dpt_sweep){ .size = sizeof segment->sweep, .segment = i, .triangle = DPT_NONE };
         if (world->def.strip)
             dpti_strip_clear(world->segment_strips[tool->first_segment + i].strip, NULL);
     }

@@ -6,11 +6,12 @@
 To be run where include/ and src/ are. NAME.h has the public headers that declare what the sources define, NAME.c the
 sources, each with what it includes before it. A later library uses the headers of those before it. Nothing but NAME's
 public functions is seen from outside: all else becomes static. What two files name alike is renamed, by tokens; a
-source's macros end with it. The text is otherwise as it was."""
+source's macros end with it. c_and_cxx.py lets C++ take the text too. It is otherwise as it was."""
 import os
 import re
 import sys
 
+from c_and_cxx import to_both
 from tokens import Token, body_of, items_of, macro_of, text_of, tokens_of, words_of
 
 ROOTS = ("include", "src")
@@ -355,6 +356,11 @@ class Writer:
             parts.append(text_of([token]))
         return "".join(parts)
 
+    def text(self):
+        tokens = tokens_of("\n".join(self.parts))
+        to_both(tokens)
+        return text_of(tokens)
+
 
 # ---- files ----
 
@@ -365,11 +371,16 @@ COMMENT = """/* SPDX-License-Identifier: BSD-3-Clause */
  * Made of dynpoint's sources, to which the headings lead, by `make amalgamation`: change those, not this.
  */
 """
-BODY = """all of lib{name} in one file. Compile it by gcc or clang, in C99 or later, and link with -lm{more}:
+BODY = """all of lib{name} in one file. Compile it by gcc or clang, in C99 or C++17 and later, and link with -lm{more}:
  *
  *     cc -O2 -c {name}.c
  *
  * No other flag is needed; what would change answers stops here. The license is in the file LICENSE."""
+
+
+def read(path):
+    with open(path, encoding="utf-8") as stream:
+        return stream.read()
 
 
 def write(out, name, text):
@@ -378,11 +389,9 @@ def write(out, name, text):
 
 
 def main(out, libraries):
-    with open("include/dynpoint/base.h", encoding="utf-8") as stream:
-        version = re.search(r'DPT_VERSION_STRING "(.*)"', stream.read()).group(1)
+    version = re.search(r'DPT_VERSION_STRING "(.*)"', read("include/dynpoint/base.h")).group(1)
     here = os.path.dirname(os.path.abspath(__file__))
-    with open(here + "/exact_arithmetic.h", encoding="utf-8") as stream:
-        exact = stream.read()
+    exact, languages = (read(f"{here}/{name}.h") for name in ("exact_arithmetic", "c_and_cxx"))
     taken, uses = [], []
     for library in libraries:
         name, sources = library.split("=", 1)
@@ -403,7 +412,7 @@ def main(out, libraries):
         what = BODY.format(name=name, more=" -pthread" if "pthread.h" in system else "")
         text = COMMENT.format(version=version, what=what) + exact.split("\n", 1)[1]
         text += "".join(f"#include <{header}>\n" for header in system if header != "math.h")
-        text += f'\n#include "{name}.h"\n\n' + "\n".join(writer.parts)
+        text += f'\n#include "{name}.h"\n\n{languages.split(chr(10), 1)[1]}\n' + writer.text()
         write(out, name + ".c", text)
         uses.append(name)
 

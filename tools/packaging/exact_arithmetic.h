@@ -3,9 +3,6 @@
  * Single files are compiled without the Makefile's flags. Here stands what keeps their arithmetic exact and the same on
  * every machine; a compiler that cannot keep it stops.
  */
-#ifdef __cplusplus
-#error "dynpoint needs a compiler for C: what C++ calls are the functions of its headers"
-#endif
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) ||                               \
     defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__)
 #error "dynpoint needs exact arithmetic: compile this file without -ffast-math, -Ofast and their parts"
