@@ -312,7 +312,7 @@ identifications()
     run device identify sim --move --button 2
     check 'a button that no one holds: exit status 1' test $status -eq 1
     refuses 'no such button' '--button must be' device identify sim --button 32
-    refuses 'of identify alone' 'are of identify' device watch sim --button 1
+    refuses 'of identify alone' 'unknown option --button' device watch sim --button 1
     refuses 'an input is no output' 'is an input too' device identify "sim:?hand=arm.txt" -o arm.txt
     succeeds 'run --identified' run torus.dpa --device sim --ticks 100 --identified arm.txt
     echo 'mass=heavy' >wrong.txt

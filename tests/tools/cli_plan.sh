@@ -69,7 +69,12 @@ p["measured"]["time_p999"] <= 0.001'
 thin()
 {
     succeeds 'a thin torus' compile torus.obj -o thin.dpa --scale 0.05
-    succeeds 'plan a thin torus' plan thin.dpa --error 0.1mm --ticks 10000 -o thin.json
+    succeeds 'plan a thin torus' plan thin.dpa --error 0.1mm --ticks 10000 -o thin.json --json
+    check "--json: $(cat stdout)" has_keys stdout plan.setting plan.promises richest.time_p999 refused
+    check 'it tells the plan, no limit, and what was refused' json stdout \
+        'p["limit"] is None and p["plan"] == json.load(open("thin.json")) and {r["breaks"] for r in p["refused"]} and
+all(r["knob"] and r["where"] for r in p["refused"])'
+    refuses 'both want standard output' '--json and -o -' plan thin.dpa --error 0.1mm -o - --json
     check 'margin: a third of the thinnest wall' json thin.json '0.0038 < p["thinnest_wall"] < 0.004 and
 abs(p["setting"]["margin"] - p["thinnest_wall"] / 3) < 1e-15'
     holds 'another seed' --plan thin.json --seed 21 --ticks 4000
@@ -334,6 +339,9 @@ devices()
     run plan torus.dpa --error 0.1mm --stiffness 800 --device slow.txt
     check "exit $status" test $status -eq 1
     check "why: $(cat stdout)" grep -qx 'K 800 needs T/2 + t_d <= 0\.41[0-9]* ms; you have 1\.75' stdout
+    run plan torus.dpa --error 0.1mm --stiffness 800 --device slow.txt --json
+    check "exit $status" test $status -eq 1
+    check "why, as JSON: $(cat stdout)" json stdout 'p["plan"] is None and p["limit"].startswith("K 800 needs T/2 + t_d <= 0.41")'
     succeeds 'as stiff as it holds' plan torus.dpa --error 0.1mm --ticks 10000 --device slow.txt -o held.json
     # With T/2 + t_d = 1.75 ms it shakes from 0.5 / 1.75e-3 = 286 N/m on, nearly.
     check "with a margin of 1.5: $(cat held.json)" json held.json '185 < p["setting"]["stiffness"] < 195 and

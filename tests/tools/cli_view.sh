@@ -29,13 +29,16 @@ operands()
     refuses 'a mesh that is cut' 'cut.dpa: byte ' view cut.dpa -o out/x.html
     refuses 'a mesh with a mesh' '--mesh and --tool are of a recording' view box.dpa --mesh box.ply -o out/x.html
     refuses 'a mesh with a tool' '--mesh and --tool are of a recording' view box.ply --tool box.dpa -o out/x.html
-    refuses 'a page of a live scene' 'dynpoint view: -o: a scene is felt' view tori -o out/x.html
+    refuses 'a page of a scene to standard output' '-o: the page of a scene is a file' view tori -o -
+    refuses 'a page of a scene that is served' 'does not go with --port' view tori -o out/x.html --port 8000
+    refuses 'a page of a scene without a name' '-o needs a value' view tori -o
+    refuses 'a page of a scene that is none' 'dynpoint view: tro.json' view tro.json -o out/x.html
     refuses 'an option that no scene has' 'dynpoint view: unknown option --frob' view tori --frob
     refuses 'no time' '--for must be positive' view box.dpa --for 0
     refuses 'no port' '--port must be 0 to 65535' view box.dpa --port 65536
     for option in --open '--port 8000' '--address 0.0.0.0'; do
         # shellcheck disable=SC2086
-        refuses "-o and $option" '-o writes a page, and --open, --port and --address serve one' \
+        refuses "-o and $option" '-o writes a page, and --open, --port, --address and --json serve one' \
             view box.dpa -o out/x.html $option
         # shellcheck disable=SC2086
         refuses "$option without --view" '--open, --port, --address and --control need --view' \
@@ -285,6 +288,19 @@ ends()
     check "$1 ends: $line" test "${line##*|}" = "$2"
 }
 
+# A scene is felt, recorded, and shown; the recording goes.
+scene_pages()
+{
+    succeeds 'a page of a scene' view tori -o scene.html --ticks 700
+    check 'how it went' grep -q '^700 ticks' stdout
+    check 'no recording is left' test ! -e scene.html.dpr
+    succeeds 'the same by hand' run tori --device 'sim:?hand=press' --ticks 700 --record scene.html.dpr
+    succeeds 'and its page' view scene.html.dpr -o by_hand.html
+    check 'is the same' cmp -s scene.html by_hand.html
+    refuses 'a recording in the way' 'scene.html.dpr is in the way' view tori -o scene.html
+    rm scene.html.dpr
+}
+
 recording_pages()
 {
     succeeds 'replay opens the file that was recorded' replay there.dpr
@@ -437,6 +453,7 @@ fi
 [ $has_python ] && write_decoder || skip 'pages, decoded: no python3'
 mesh_pages
 whole_pages
+scene_pages
 recording_pages
 names
 served

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "chart/chart_csv.h"
+#include "chart/chart_json.h"
 #include "chart/chart_peers.h"
 #include "chart/chart_picture.h"
 #include "cli/command_options.h"
@@ -37,7 +38,8 @@ static const char help[] =
     "                  and the largest beside them; default 1\n"
     "  --peers DIR     other libraries too: programs peer_NAME there, as tests/bench/peers.sh\n"
     "                  builds them; for a mesh alone\n"
-    "  --title TEXT    above the picture; the scene's name if not given\n";
+    "  --title TEXT    above the picture; the scene's name if not given\n"
+    "  --json          the rows as one JSON object on standard output, instead of the table\n";
 
 enum { TICKS_MIN = 10000, TICKS_MAX = 10000000, PASSES_MAX = 1000, NAME_ROOM = 4096 };
 
@@ -50,6 +52,7 @@ struct chart_request {
     const char *trace, *name, *title, *peers, *until;
     enum chart_part last;
     uint64_t ticks, seed, passes, repeats;
+    int json;
     double stylus; /* m, of a trace that is made; 0: as of make trace */
     char path[FILES][NAME_ROOM];
 };
@@ -95,7 +98,9 @@ static int write_files(const struct chart_request *request, const struct chart_h
         status = write_file(&output[written], written, request, head, rows);
         written += status == 0;
     }
-    if (status == 0)
+    if (status == 0 && request->json && chart_json_write(stdout, head, rows))
+        status = complain("chart", "--json: no temporary file can be made");
+    if (status == 0 && !request->json)
         chart_table_print(stdout, head, rows);
     while (status == 0 && kept < FILES)
         status = output_keep(&output[kept++], "chart");
@@ -250,7 +255,8 @@ int command_chart(int argc, char **argv)
                                           { .name = "--passes", .count = &request.passes },
                                           { .name = "--repeats", .count = &request.repeats },
                                           { .name = "--peers", .text = &request.peers, .kind = VALUE_FILE },
-                                          { .name = "--title", .text = &request.title } };
+                                          { .name = "--title", .text = &request.title },
+                                          { .name = "--json", .flag = &request.json } };
     scene_def_init(&request.scene, "chart");
     static const struct operand_def taken[] = { { .kind = VALUE_SCENE }, { .kind = VALUE_FILE } };
     int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);

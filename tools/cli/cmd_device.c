@@ -18,10 +18,10 @@
 
 static const char help[] =
     "usage: dynpoint device list [--json]\n"
-    "       dynpoint device watch NAME [--for S]\n"
+    "       dynpoint device watch NAME [--for S] [--json]\n"
     "       dynpoint device selftest NAME [--move] [--json]\n"
     "       dynpoint device identify NAME [--move] [-o FILE] [--button N] [--json]\n"
-    "       dynpoint device simulate serial|can:WHERE [--swing M] [--for S]\n"
+    "       dynpoint device simulate serial|can:WHERE [--swing M] [--for S] [--json]\n"
     "\n"
     "Devices: NAME is DRIVER or DRIVER:WHERE, as sim or serial:/dev/ttyACM0.\n"
     "\n"
@@ -41,8 +41,60 @@ static const char help[] =
     "            the greatest force, for about a minute: let go of it. Any key ends that\n"
     "  -o FILE   identify writes what it measured, for run --identified FILE\n"
     "  --button N  identify pushes while button N, as of a pedal, is held\n"
-    "  --json    list, selftest and identify print one object\n"
+    "  --json    what is told as one JSON object; of watch one a line, each a sample\n"
     "  --swing M how far the simulated hand goes up and down, m; default 0.02\n";
+
+enum device_verb { VERB_LIST, VERB_WATCH, VERB_SELFTEST, VERB_SIMULATE, VERB_IDENTIFY, VERBS };
+static const char *const verbs[VERBS + 1] = { "list", "watch", "selftest", "simulate", "identify", NULL };
+
+/* Of each: how it is called, the options that it takes, and what --help says of it. */
+static const struct {
+    const char *typed, *options, *help;
+} verb_defs[VERBS] = {
+    { "device list", "--json",
+      "usage: dynpoint device list [--json]\n"
+      "\n"
+      "The drivers that are built in, and the devices that they find.\n"
+      "\n"
+      "  --json  as one JSON object on standard output\n" },
+    { "device watch", "--for --json",
+      "usage: dynpoint device watch NAME [--for S] [--json]\n"
+      "\n"
+      "What a device says, without force, until it is interrupted; a line a sample where standard\n"
+      "output is no terminal.\n"
+      "\n"
+      "  --for S  seconds; without it, until it is interrupted\n"
+      "  --json   each sample as one JSON object, in a line\n" },
+    { "device selftest", "--move --json",
+      "usage: dynpoint device selftest NAME [--move] [--json]\n"
+      "\n"
+      "Whether a device keeps the contract of drivers: exit status 1 when it does not.\n"
+      "\n"
+      "  --move  it may push the hand, by a twentieth of the greatest force and for 0.05 s each way;\n"
+      "          without it nothing is moved\n"
+      "  --json  as one JSON object on standard output\n" },
+    { "device simulate", "--swing --for --json",
+      "usage: dynpoint device simulate serial|can:WHERE [--swing M] [--for S] [--json]\n"
+      "\n"
+      "The other end of a line, with dynamics, whose name is printed: a device on a pseudo-terminal, or\n"
+      "motor controllers on a CAN interface, by the name that --device takes:\n"
+      "can:vcan0?arm=arm.dpa&gear=8,8,8\n"
+      "\n"
+      "  --swing M  how far the simulated hand goes up and down, m; default 0.02\n"
+      "  --for S    seconds; without it, until it is interrupted\n"
+      "  --json     its name as one JSON object\n" },
+    { "device identify", "--move -o --button --json",
+      "usage: dynpoint device identify NAME [--move] [-o FILE] [--button N] [--json]\n"
+      "\n"
+      "A device's rate, steps and, with --move, mass, damping, friction and delay, with their 95 %\n"
+      "intervals; exit status 1 when that failed or something holds it.\n"
+      "\n"
+      "  --move      it may push the hand by 0.5 N and 10 % of the greatest force, for about a minute:\n"
+      "              let go of it. Any key ends that\n"
+      "  -o FILE     what was measured, for run --identified FILE\n"
+      "  --button N  pushes while button N, as of a pedal, is held\n"
+      "  --json      as one JSON object on standard output\n" },
+};
 
 static void print_reasons(FILE *file, uint32_t reasons)
 {
@@ -176,26 +228,46 @@ static void print_line(const dpt_device_state *state)
     printf(",%" PRIu32 "\n", state->buttons);
 }
 
-static int watch(dpt_device *device, double seconds)
+static void print_numbers(const char *before, const double *value, uint32_t count)
+{
+    printf("%s[", before);
+    for (uint32_t i = 0; i < count; i++)
+        printf("%s%.9g", i ? "," : "", value[i]);
+    putchar(']');
+}
+
+static void print_sample_json(const dpt_device_info *info, const dpt_device_state *state)
+{
+    printf("{\"sequence\":%" PRIu64 ",\"status\":\"%s\"", state->sequence, dpt_device_status_name(state->status));
+    print_numbers(",\"position\":", state->pose.position, 3);
+    print_numbers(",\"orientation\":", state->pose.orientation, 4);
+    print_numbers(",\"velocity\":", state->velocity, 3);
+    print_numbers(",\"joints\":", state->joint, info->joints);
+    printf(",\"buttons\":%" PRIu32 "}\n", state->buttons);
+}
+
+static int watch(dpt_device *device, double seconds, int json)
 {
     dpt_device_info info = { .size = sizeof info };
     dpt_device_state state = { .size = sizeof state };
     dpt_device_counts counts = { .size = sizeof counts };
-    const int is_terminal = isatty(STDOUT_FILENO);
+    const int is_terminal = !json && isatty(STDOUT_FILENO);
     dpt_device_get_info(device, &info);
     const double begin = seconds_now(), period = 1.0 / (info.rate > 0.0 ? info.rate : 1000.0);
     double shown_at = 0.0;
     int is_shown = 0;
     if (is_terminal)
         print_info(&info);
-    else
+    else if (!json)
         puts("sequence,status,x,y,z,qw,qx,qy,qz,buttons");
     stop_watch(NULL, seconds);
     for (;;) {
         double now = seconds_now() - begin;
         dpt_result result = dpt_device_read(device, &state);
         int is_over = result == DPT_E_LOST || stop_requested();
-        if (!is_terminal && state.fresh)
+        if (json && state.fresh)
+            print_sample_json(&info, &state);
+        else if (!is_terminal && state.fresh)
             print_line(&state);
         if (is_terminal && (is_over || now - shown_at > 0.05 || !is_shown)) {
             dpt_device_get_counts(device, &counts);
@@ -282,39 +354,46 @@ int command_device(int argc, char **argv)
         { .name = "--move", .flag = &may_move },  { .name = "-o", .text = &output, .kind = VALUE_FILE },
         { .name = "--button", .count = &button }, { .name = "--json", .flag = &json }
     };
-    static const char *const verbs[] = { "list", "watch", "selftest", "simulate", "identify", NULL };
     static const struct operand_def taken[] = { { .words = verbs }, { .kind = VALUE_DEVICE } };
-    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);
+    enum { OPTIONS = sizeof options / sizeof *options };
+    struct option_def own[OPTIONS];
+    int verb = find_word(argc, argv, verbs);
+    struct command_syntax syntax = *COMMAND_SYNTAX(options, verb < 0 ? help : verb_defs[verb].help, taken);
+    if (verb >= 0) {
+        syntax.options = own;
+        syntax.option_count = choose_options(options, OPTIONS, verb_defs[verb].options, own);
+        complain_as("device", verb_defs[verb].typed);
+    }
+    int status = parse_options(argc, argv, &syntax, operand, 2, &operands);
     if (status >= 0)
         return status;
-    int verb = operands ? word_index(operand[0], verbs) : -1;
+    verb = operands ? word_index(operand[0], verbs) : -1;
     if (operands && verb < 0)
         return complain_of_word("device", "what to do", operand[0], verbs);
-    if (verb < 0 || operands != (verb == 0 ? 1u : 2u))
+    if (operands == 1 && verb != VERB_LIST)
+        return complain("device", "%s is needed (see --help)",
+                        verb == VERB_SIMULATE ? "serial, or can:WHERE," : "the NAME of a device");
+    if (verb < 0 || operands != (verb == VERB_LIST ? 1u : 2u))
         return complain("device", "list, watch NAME, selftest NAME, identify NAME or simulate serial "
                                   "is needed (see --help)");
     if (!(seconds > 0.0) || !(swing >= 0.0 && swing <= 1.0))
         return complain("device", "--for must be positive, --swing 0 to 1");
-    if (json && verb != 0 && verb != 2 && verb != 4)
-        return complain("device", "--json is of list, selftest and identify");
-    if (verb != 4 && (output || button != DPT_IDENTIFY_NO_BUTTON))
-        return complain("device", "-o and --button are of identify");
     if (button != DPT_IDENTIFY_NO_BUTTON && button > 31)
         return complain("device", "--button must be 0 to 31");
-    if (verb == 0)
+    if (verb == VERB_LIST)
         return json ? list_json() : list();
-    if (verb == 3)
-        return device_simulate(operand[1], swing, seconds);
-    if (verb == 4)
+    if (verb == VERB_SIMULATE)
+        return device_simulate(operand[1], swing, seconds, json);
+    if (verb == VERB_IDENTIFY)
         return device_identify(&(struct identify_request){
             .name = operand[1], .output = output, .button = (uint32_t)button, .may_move = may_move, .json = json });
     dpt_device *device;
     status = open_device("device", operand[1], &device);
     if (status)
         return status;
-    if (verb == 2)
+    if (verb == VERB_SELFTEST)
         end_fault("device", operand[1], device);
-    status = verb == 1 ? watch(device, seconds) : selftest(device, may_move, json);
+    status = verb == VERB_WATCH ? watch(device, seconds, json) : selftest(device, may_move, json);
     dpt_device_close(device);
     return status;
 }
@@ -323,17 +402,32 @@ int command_device(int argc, char **argv)
 
 #define LEFT_OUT "simulate: this build has no back end '%s': run make again with it among DRIVERS"
 
+#if defined(DPT_HAS_SERIAL) || defined(DPT_HAS_CAN)
+
+static void print_name(const char *driver, const char *where, int json)
+{
+    char name[512];
+    snprintf(name, sizeof name, "%s:%s", driver, where);
+    if (json)
+        fputs("{\"name\":", stdout);
+    if (json)
+        json_write_text(stdout, name);
+    puts(json ? "}" : name);
+    fflush(stdout);
+}
+
+#endif
+
 #ifdef DPT_HAS_SERIAL
 
-static int simulate_serial(double swing, double seconds)
+static int simulate_serial(double swing, double seconds, int json)
 {
     static struct simulate_serial simulated;
     int reason = simulate_serial_start(&simulated, NULL);
     if (reason)
         return complain("device", "simulate: no pseudo-terminal: %s", strerror(reason));
     simulated.swing = swing;
-    printf("serial:%s\n", simulated.path);
-    fflush(stdout);
+    print_name("serial", simulated.path, json);
     stop_watch(NULL, seconds);
     simulate_serial_run(&simulated, stop_flag());
     simulate_serial_end(&simulated);
@@ -342,9 +436,9 @@ static int simulate_serial(double swing, double seconds)
 
 #else
 
-static int simulate_serial(double swing, double seconds)
+static int simulate_serial(double swing, double seconds, int json)
 {
-    (void)swing, (void)seconds;
+    (void)swing, (void)seconds, (void)json;
     return complain("device", LEFT_OUT, "serial");
 }
 
@@ -352,15 +446,14 @@ static int simulate_serial(double swing, double seconds)
 
 #ifdef DPT_HAS_CAN
 
-static int simulate_can(const char *where, double swing, double seconds)
+static int simulate_can(const char *where, double swing, double seconds, int json)
 {
     static struct simulate_can simulated;
     dpt_device_error error = { .size = sizeof error };
     if (simulate_can_start(&simulated, where, &error) != DPT_OK)
         return complain("device", "simulate: can:%s: %s", where, error.text);
     simulated.swing = swing;
-    printf("can:%s\n", where);
-    fflush(stdout);
+    print_name("can", where, json);
     stop_watch(NULL, seconds);
     simulate_can_run(&simulated, stop_flag());
     simulate_can_end(&simulated);
@@ -369,19 +462,19 @@ static int simulate_can(const char *where, double swing, double seconds)
 
 #else
 
-static int simulate_can(const char *where, double swing, double seconds)
+static int simulate_can(const char *where, double swing, double seconds, int json)
 {
-    (void)where, (void)swing, (void)seconds;
+    (void)where, (void)swing, (void)seconds, (void)json;
     return complain("device", LEFT_OUT, "can");
 }
 
 #endif
 
-int device_simulate(const char *what, double swing, double seconds)
+int device_simulate(const char *what, double swing, double seconds, int json)
 {
     if (!strcmp(what, "serial"))
-        return simulate_serial(swing, seconds);
+        return simulate_serial(swing, seconds, json);
     if (!strncmp(what, "can:", 4))
-        return simulate_can(what + 4, swing, seconds);
+        return simulate_can(what + 4, swing, seconds, json);
     return complain("device", "simulate: there is no '%s', only serial and can:INTERFACE?arm=...", what);
 }

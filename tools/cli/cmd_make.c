@@ -8,6 +8,7 @@
 #include "cli/command_options.h"
 #include "cli/commands.h"
 #include "cli/complete.h"
+#include "cli/json_text.h"
 #include "scene/shape.h"
 #include "shape/mesh_file.h"
 #include "shape/trace_hand.h"
@@ -23,13 +24,14 @@ static const char *const counts_text[] = { [SHAPE_ANY] = "any",
 
 static void print_help(void)
 {
-    printf("usage: dynpoint make SHAPE [N] -o FILE [--seed S]\n"
+    printf("usage: dynpoint make SHAPE [N] -o FILE [--seed S] [--json]\n"
            "       dynpoint make trace --help\n"
            "\n"
            "Writes a test mesh of exactly N triangles, in metres. All machines write the same bytes.\n"
            "\n"
            "  -o FILE   its ending says the format: .obj, .stl, .ply or .off\n"
            "  --seed S  moves bumps, folds and spikes; default 0\n"
+           "  --json    the files and how large they are, as one JSON object on standard output\n"
            "\n"
            "  %-12s  %-6s  %5s  %7s\n",
            "SHAPE", "N", "least", "default");
@@ -53,7 +55,19 @@ static int write_shape(struct output *output, const char *path, const struct sha
     return output_complete(output, "make");
 }
 
-static int make_one(const char *name, uint64_t count, uint64_t seed, const char *path)
+/* What was written, as JSON. */
+static void print_json(const char *const paths[], const struct shape shapes[], int count)
+{
+    fputs("{\"files\":[", stdout);
+    for (int i = 0; i < count; i++) {
+        fputs(i ? ",{\"path\":" : "{\"path\":", stdout);
+        json_write_text(stdout, paths[i]);
+        printf(",\"triangles\":%zu,\"vertices\":%zu}", shapes[i].triangle_count, shapes[i].vertex_count);
+    }
+    puts("]}");
+}
+
+static int make_one(const char *name, uint64_t count, uint64_t seed, const char *path, int json)
 {
     struct shape shape;
     shape_reason reason;
@@ -61,6 +75,8 @@ static int make_one(const char *name, uint64_t count, uint64_t seed, const char 
         return complain("make", "%s", reason);
     struct output output;
     int status = write_shape(&output, path, &shape);
+    if (status == 0 && json)
+        print_json(&path, &shape, 1);
     if (status == 0)
         status = output_keep(&output, "make");
     shape_free(&shape);
@@ -79,7 +95,7 @@ static char *body_path(const char *path, const char *body)
 }
 
 /* Write all bodies or none. */
-static int write_bodies(char *const paths[], const struct shape bodies[])
+static int write_bodies(char *const paths[], const struct shape bodies[], int json)
 {
     for (int i = 0; i < LAPAROSCOPIC_BODIES; i++) {
         if (!paths[i])
@@ -90,8 +106,10 @@ static int write_bodies(char *const paths[], const struct shape bodies[])
     while (written < LAPAROSCOPIC_BODIES && write_shape(&outputs[written], paths[written], &bodies[written]) == 0)
         written++;
     if (written == LAPAROSCOPIC_BODIES) {
-        for (int i = 0; i < LAPAROSCOPIC_BODIES; i++)
+        for (int i = 0; i < LAPAROSCOPIC_BODIES && !json; i++)
             printf("%s %zu\n", paths[i], bodies[i].triangle_count);
+        if (json)
+            print_json((const char *const *)paths, bodies, LAPAROSCOPIC_BODIES);
         while (kept < LAPAROSCOPIC_BODIES && output_keep(&outputs[kept], "make") == 0)
             kept++;
     }
@@ -100,7 +118,7 @@ static int write_bodies(char *const paths[], const struct shape bodies[])
     return kept == LAPAROSCOPIC_BODIES ? 0 : 2;
 }
 
-static int make_laparoscopic(uint64_t count, uint64_t seed, const char *path)
+static int make_laparoscopic(uint64_t count, uint64_t seed, const char *path, int json)
 {
     struct shape bodies[LAPAROSCOPIC_BODIES];
     char *paths[LAPAROSCOPIC_BODIES];
@@ -109,7 +127,7 @@ static int make_laparoscopic(uint64_t count, uint64_t seed, const char *path)
         return complain("make", "%s", reason);
     for (int i = 0; i < LAPAROSCOPIC_BODIES; i++)
         paths[i] = body_path(path, laparoscopic_names[i]);
-    int status = write_bodies(paths, bodies);
+    int status = write_bodies(paths, bodies, json);
     for (int i = 0; i < LAPAROSCOPIC_BODIES; i++) {
         shape_free(&bodies[i]);
         free(paths[i]);
@@ -142,11 +160,13 @@ static void list_names(const char *names[MADE_MAX])
 int command_make(int argc, char **argv)
 {
     const char *path = NULL, *words[2] = { NULL, NULL };
+    int json = 0;
     uint64_t seed = 0;
     int64_t count = 0;
     size_t word_count;
     const struct option_def options[] = { { .name = "-o", .text = &path, .kind = VALUE_FILE },
-                                          { .name = "--seed", .count = &seed } };
+                                          { .name = "--seed", .count = &seed },
+                                          { .name = "--json", .flag = &json } };
     if (argc > 1 && strcmp(argv[1], "trace") == 0)
         return command_make_trace(argc - 1, argv + 1);
     if (argc > 3 && strcmp(argv[1], COMPLETE_ARGUMENT) == 0 && strcmp(argv[2], "trace") == 0) {
@@ -175,8 +195,8 @@ int command_make(int argc, char **argv)
     if (!mesh_file_writer(path))
         return complain("make", "%s: the ending is none of .obj, .stl, .ply, .off", path);
     if (strcmp(words[0], laparoscopic) == 0)
-        return make_laparoscopic((uint64_t)count, seed, path);
-    return make_one(words[0], (uint64_t)count, seed, path);
+        return make_laparoscopic((uint64_t)count, seed, path, json);
+    return make_one(words[0], (uint64_t)count, seed, path, json);
 }
 
 /* dynpoint make trace: a hand slides a tool over a mesh (trace_hand.h). */

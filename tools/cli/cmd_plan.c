@@ -47,7 +47,9 @@ static const char help[] =
     "  --seed S         of that hand; default 1\n"
     "  --ticks N        of its trace, at least 10,000; default 20,000\n"
     "  -o FILE          the plan, for replay --plan and run --plan\n"
-    "  --header H.h     the same as C: fills in the world, bodies and the tool\n";
+    "  --header H.h     the same as C: fills in the world, bodies and the tool\n"
+    "  --json           what is told as one JSON object on standard output: the plan, and what was\n"
+    "                   refused; or the bound that cannot be kept\n";
 
 enum { TICKS_LEAST = 10000 };
 
@@ -58,7 +60,7 @@ struct plan_options {
     struct scene_def scene;
     const char *error, *force_error, *rate, *stiffness, *device, *trace, *out, *header, *law;
     uint64_t seed, ticks;
-    int smooth;
+    int smooth, json;
 };
 
 /* Returns 0, or 2 after a message. */
@@ -110,6 +112,7 @@ static int read_options(int argc, char **argv, struct plan_options *options, str
         { .name = "--ticks", .count = &options->ticks },
         { .name = "-o", .text = &options->out, .kind = VALUE_FILE },
         { .name = "--header", .text = &options->header, .kind = VALUE_FILE },
+        { .name = "--json", .flag = &options->json },
     };
     static const struct operand_def taken[] = { { .kind = VALUE_SCENE } };
     int status = parse_options(argc, argv, COMMAND_SYNTAX(defs, help, taken), &scene->path, 1, &operands);
@@ -131,35 +134,44 @@ static int read_options(int argc, char **argv, struct plan_options *options, str
     if ((options->out && output_check_name("plan", options->out, ".json", "a plan in JSON")) ||
         (options->header && output_check_name("plan", options->header, ".h .c", "source text in C")))
         return 2;
+    for (int i = 0; i < 2; i++)
+        if (options->json && outputs[i] && !strcmp(outputs[i], "-"))
+            return complain("plan", "--json and %s - both want standard output", i ? "--header" : "-o");
     if (options->out && options->header && !strcmp(options->out, options->header))
         return complain("plan", "-o and --header name the same file");
     return -1;
 }
 
 /* Why a device cannot be held as stiffly as was asked for. */
-static void say_limit(const dpt_coupling *coupling, double asked)
+static struct plan_text limit_text(const dpt_coupling *coupling, double asked)
 {
+    struct plan_text said;
+    char *text = said.text;
+    const size_t room = sizeof said.text;
     switch (coupling->limit) {
     case DPT_COUPLING_STEP:
-        printf("K %g: the device's steps would be felt above %.4g N/m\n", asked, coupling->stiffness);
+        snprintf(text, room, "K %g: the device's steps would be felt above %.4g N/m", asked, coupling->stiffness);
         break;
     case DPT_COUPLING_MAKER:
-        printf("K %g: the device's maker states no more than %.4g N/m\n", asked, coupling->stiffness);
+        snprintf(text, room, "K %g: the device's maker states no more than %.4g N/m", asked, coupling->stiffness);
         break;
     case DPT_COUPLING_UNKNOWN:
-        printf("K %g: the device's mass or damping is not known: dynpoint device identify measures them\n", asked);
+        snprintf(text, room, "K %g: the device's mass or damping is not known: dynpoint device identify measures them",
+                 asked);
         break;
     default:
         if (coupling->delay_needed > 0.0)
-            printf("K %g needs T/2 + t_d <= %.3g ms; you have %.3g\n", asked, 1e3 * coupling->delay_needed,
-                   1e3 * coupling->delay);
+            snprintf(text, room, "K %g needs T/2 + t_d <= %.3g ms; you have %.3g", asked, 1e3 * coupling->delay_needed,
+                     1e3 * coupling->delay);
         else
-            printf("K %g: no rate holds it with this device; it is held by %.4g N/m\n", asked, coupling->stiffness);
+            snprintf(text, room, "K %g: no rate holds it with this device; it is held by %.4g N/m", asked,
+                     coupling->stiffness);
     }
+    return said;
 }
 
 /* The stiffness, from the device if there is one. Returns 0, 1 if it cannot be had, or 2 after a message. */
-static int choose_stiffness(struct plan *plan, const struct scene *scene, const char *device, double asked)
+static int choose_stiffness(struct plan *plan, const struct scene *scene, const char *device, double asked, int json)
 {
     dpt_device_info info = { .size = sizeof info };
     dpt_device_error error = { .size = sizeof error };
@@ -179,7 +191,11 @@ static int choose_stiffness(struct plan *plan, const struct scene *scene, const 
     if (complain_of("plan", host_coupling_find(&tool, &info, &options, &coupling, &said), &said))
         return 2;
     if (!isnan(asked) && coupling.limit != DPT_COUPLING_ASKED) {
-        say_limit(&coupling, asked);
+        const struct plan_text why = limit_text(&coupling, asked);
+        if (json)
+            plan_report_limit_json(stdout, why.text);
+        else
+            puts(why.text);
         return 1;
     }
     plan->setting.world.stiffness = coupling.stiffness;
@@ -248,6 +264,8 @@ static int finish(const struct plan_options *options, const struct plan *plan, c
         status = write_file(options->out, plan, scene, 0);
     if (status == 0 && options->header)
         status = write_file(options->header, plan, scene, 1);
+    if (status == 0 && options->json)
+        return plan_report_json(stdout, plan, search) ? complain("plan", "--json: no temporary file can be made") : 0;
     if (status == 0 && (!options->out || strcmp(options->out, "-")) &&
         (!options->header || strcmp(options->header, "-")))
         plan_report(stdout, plan, search, scene);
@@ -271,7 +289,7 @@ static int make_plan(const struct plan_options *options, struct plan *plan, doub
         plan->length = scene.has_stylus ? scene.length : NAN;
         plan->radius = scene.has_stylus ? options->scene.radius : NAN;
         plan_meshes_of(plan, &scene);
-        status = plan->scene ? choose_stiffness(plan, &scene, options->device, stiffness)
+        status = plan->scene ? choose_stiffness(plan, &scene, options->device, stiffness, options->json)
                              : complain("plan", "memory ran out");
     }
     if (status == 0)
@@ -281,7 +299,9 @@ static int make_plan(const struct plan_options *options, struct plan *plan, doub
     if (status == 0) {
         choose_margin(plan);
         status = plan_search(&search, plan, &scene, &trace, &limit);
-        if (status == 1)
+        if (status == 1 && options->json)
+            plan_report_limit_json(stdout, limit.text);
+        else if (status == 1)
             printf("no setting keeps all bounds: %s\n", limit.text);
     }
     if (status == 0) {

@@ -8,6 +8,7 @@
 
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "cli/json_text.h"
 #include "plot/plot_axis.h"
 #include "plot/plot_chart.h"
 #include "plot/run_curves.h"
@@ -24,6 +25,7 @@ static const char help[] =
     "  --to S        leave out what is later\n"
     "  --title TEXT  above the picture; the names of the runs if not given\n"
     "  --dt S        length of a tick of replay -o, which has no times; default 0.001\n"
+    "  --json        lowest and highest of what was drawn, as one JSON object on standard output\n"
     "\n"
     "Exit status 1: a recording is damaged, and what could be read was drawn.\n";
 
@@ -160,15 +162,43 @@ static void fill_chart(struct plot *plot)
     chart->description = plot->description;
 }
 
+static void print_json(const struct plot *plot)
+{
+    const struct plot_chart *chart = &plot->chart;
+    printf("{\"from\":%.17g,\"to\":%.17g,\"runs\":[", chart->x_low, chart->x_high);
+    for (int i = 0; i < plot->runs; i++) {
+        const struct run_curves *run = &plot->run[i];
+        fputs(i ? ",{\"path\":" : "{\"path\":", stdout);
+        json_write_text(stdout, run->path);
+        printf(",\"ticks\":%" PRIu64 ",\"gaps\":%" PRIu64 ",\"damaged_bytes\":%" PRIu64, run->ticks, run->gaps,
+               run->damaged);
+        fputs(",\"curves\":[", stdout);
+        for (int k = 0; k < chart->panel_count; k++) {
+            const struct plot_panel *panel = &chart->panel[k];
+            const struct plot_group all = plot_line_extremes(panel->line[i]);
+            printf("%s{\"name\":\"%s\",\"unit\":\"%s\",\"lowest\":%.17g,\"lowest_at\":%.17g,\"highest\":%.17g,"
+                   "\"highest_at\":%.17g}",
+                   k ? "," : "", panel->name, panel->unit, all.low.y, all.low.x, all.high.y, all.high.x);
+        }
+        fputs("]}", stdout);
+    }
+    puts("]}");
+}
+
 /* Returns the exit status. */
-static int write_chart(const struct plot *plot, const char *out)
+static int write_chart(const struct plot *plot, const char *out, int json)
 {
     struct output output;
     int status = output_open(&output, "plot", out);
     if (status)
         return status;
     plot_chart_write(output.file, &plot->chart);
-    status = output_close(&output, "plot");
+    status = output_complete(&output, "plot");
+    if (status)
+        return status;
+    if (json)
+        print_json(plot);
+    status = output_keep(&output, "plot");
     for (int i = 0; i < plot->runs && status < 2; i++) {
         const struct run_curves *run = &plot->run[i];
         if (!run->damages)
@@ -180,7 +210,7 @@ static int write_chart(const struct plot *plot, const char *out)
     return status;
 }
 
-static int draw(struct plot *plot, const char *out)
+static int draw(struct plot *plot, const char *out, int json)
 {
     for (int i = 0; i < plot->runs; i++) {
         const int status = run_curves_read(&plot->run[i]);
@@ -195,7 +225,7 @@ static int draw(struct plot *plot, const char *out)
         return complain("plot", "%s: no numbers to draw%s", plot->run[0].path,
                         plot->runs == 1 ? "" : " that the other run has too");
     fill_chart(plot);
-    return write_chart(plot, out);
+    return write_chart(plot, out, json);
 }
 
 /* Returns 0, or 2 after a message. */
@@ -217,16 +247,20 @@ int command_plot(int argc, char **argv)
 {
     const char *operand[RUNS_MAX] = { NULL }, *out = NULL, *title = NULL;
     double from = 0.0, to = INFINITY, dt = 1e-3;
+    int json = 0;
     size_t operands;
     const struct option_def options[] = { { .name = "-o", .text = &out, .kind = VALUE_FILE },
                                           { .name = "--from", .number = &from },
                                           { .name = "--to", .number = &to },
                                           { .name = "--title", .text = &title },
-                                          { .name = "--dt", .number = &dt } };
+                                          { .name = "--dt", .number = &dt },
+                                          { .name = "--json", .flag = &json } };
     static const struct operand_def taken[] = { { .kind = VALUE_FILE }, { .kind = VALUE_FILE } };
     int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, RUNS_MAX, &operands);
     if (status >= 0)
         return status;
+    if (json && out && !strcmp(out, "-"))
+        return complain("plot", "--json and -o - both want standard output");
     struct plot *plot = calloc(1, sizeof *plot);
     if (!plot)
         return complain("plot", "memory ran out");
@@ -236,7 +270,7 @@ int command_plot(int argc, char **argv)
         plot->run[i] = (struct run_curves){ .command = "plot", .path = operand[i], .tick = dt, .from = from, .to = to };
     status = check_request(plot, out, from, to, dt);
     if (status == 0)
-        status = draw(plot, out);
+        status = draw(plot, out, json);
     for (int i = 0; i < plot->runs; i++)
         run_curves_free(&plot->run[i]);
     free(plot);

@@ -9,6 +9,7 @@
 #include "base/vec3.h"
 #include "cli/command_options.h"
 #include "cli/commands.h"
+#include "cli/json_text.h"
 #include "dynpoint/device.h"
 #include "record/recording_embed.h"
 #include "record/recording_file.h"
@@ -24,7 +25,30 @@ static const char help[] =
     "          that it carries are missing\n"
     "  csv     a row for each record, with every digit (docs/format.md names the columns); - is\n"
     "          standard output. What is damaged is left out and told; exit status 1 then\n"
-    "  --json  info as one JSON object on standard output\n";
+    "  --json  info as one JSON object on standard output\n"
+    "  -o FILE where csv writes to\n";
+
+static const char *const verbs[] = { "info", "csv", NULL };
+
+/* Of each: how it is called, the options that it takes, and what --help says of it. */
+static const struct {
+    const char *typed, *options, *help;
+} verb_defs[] = {
+    { "record info", "--json",
+      "usage: dynpoint record info FILE.dpr [--json]\n"
+      "\n"
+      "The scene of a recording, and counts; exit status 1 if bytes are damaged, or parts of a file\n"
+      "that it carries are missing.\n"
+      "\n"
+      "  --json  as one JSON object on standard output\n" },
+    { "record csv", "-o",
+      "usage: dynpoint record csv FILE.dpr -o OUT.csv\n"
+      "\n"
+      "A row for each record, with every digit (docs/format.md names the columns). What is damaged is\n"
+      "left out and told; exit status 1 then.\n"
+      "\n"
+      "  -o FILE  where to; - is standard output\n" },
+};
 
 /* What is in a recording. */
 struct record_counts {
@@ -135,21 +159,6 @@ static void print_text(const char *path, const dpt_record_header *header, const 
     }
 }
 
-static void print_json_text(const char *text, size_t length)
-{
-    putchar('"');
-    for (size_t i = 0; i < length; i++) {
-        const unsigned char c = (unsigned char)text[i];
-        if (c == '"' || c == '\\')
-            printf("\\%c", c);
-        else if (c < 0x20)
-            printf("\\u%04x", c);
-        else
-            putchar(c);
-    }
-    putchar('"');
-}
-
 static void print_json_embedded(const struct recording_embed *embed)
 {
     fputs(",\"embedded\":[", stdout);
@@ -161,7 +170,7 @@ static void print_json_embedded(const struct recording_embed *embed)
                ",\"fault\":",
                printed++ ? "," : "", embedded_names[i], file->total, file->held, file->pieces, file->crc32);
         if (file->fault[0])
-            print_json_text(file->fault, strlen(file->fault));
+            json_write_text(stdout, file->fault);
         else
             fputs("null", stdout);
         putchar('}');
@@ -191,7 +200,7 @@ static void print_json(const char *path, const dpt_record_header *header, const 
                     { "late_max_ns", c->late_max_ns },
                     { "took_max_ns", c->took_max_ns } };
     fputs("{\"path\":", stdout);
-    print_json_text(path, strlen(path));
+    json_write_text(stdout, path);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         printf(",\"%s\":%" PRIu64, numbers[i].name, numbers[i].value);
     printf(",\"cut\":%s,\"rate\":%.17g", c->is_cut ? "true" : "false", header->rate);
@@ -210,7 +219,7 @@ static void print_json(const char *path, const dpt_record_header *header, const 
     for (const char *line = header->text; *line;) {
         const size_t length = strcspn(line, "\n");
         fputs(line == header->text ? "" : ",", stdout);
-        print_json_text(line, length);
+        json_write_part(stdout, line, length);
         line += length + (line[length] != '\0');
     }
     puts("]}");
@@ -267,16 +276,26 @@ int command_record(int argc, char **argv)
     size_t operands;
     const struct option_def options[] = { { .name = "-o", .text = &out, .kind = VALUE_FILE },
                                           { .name = "--json", .flag = &json } };
-    static const char *const verbs[] = { "info", "csv", NULL };
     static const struct operand_def taken[] = { { .words = verbs }, { .kind = VALUE_FILE } };
-    int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), operand, 2, &operands);
+    enum { OPTIONS = sizeof options / sizeof *options };
+    struct option_def own[OPTIONS];
+    const int first = find_word(argc, argv, verbs);
+    struct command_syntax syntax = *COMMAND_SYNTAX(options, first < 0 ? help : verb_defs[first].help, taken);
+    if (first >= 0) {
+        syntax.options = own;
+        syntax.option_count = choose_options(options, OPTIONS, verb_defs[first].options, own);
+        complain_as("record", verb_defs[first].typed);
+    }
+    int status = parse_options(argc, argv, &syntax, operand, 2, &operands);
     if (status >= 0)
         return status;
     const int verb = operands == 2 ? word_index(operand[0], verbs) : -1;
     if (operands && word_index(operand[0], verbs) < 0)
         return complain_of_word("record", "what to do", operand[0], verbs);
-    if (verb < 0 || (verb == 1) != (out != NULL) || (verb == 1 && json))
+    if (verb < 0 && !operands)
         return complain("record", "info FILE.dpr, or csv FILE.dpr -o OUT.csv is needed (see --help)");
+    if (verb < 0 || (verb == 1) != (out != NULL))
+        return complain("record", "FILE.dpr%s is needed (see --help)", first == 1 ? ", and -o OUT.csv," : "");
     if (out && (output_check("record", out, (const char *const[]){ operand[1], NULL }) ||
                 output_check_name("record", out, ".csv .txt", "a table of comma-separated values")))
         return 2;

@@ -23,12 +23,13 @@
 static const char help[] =
     "usage: dynpoint view MESH [-o PAGE.html] [options]\n"
     "       dynpoint view RECORDING.dpr [--mesh FILE] [--tool ARM.dpa] [-o PAGE.html] [options]\n"
-    "       dynpoint view SCENE [options of dynpoint run]\n"
+    "       dynpoint view SCENE [-o PAGE.html] [options of dynpoint run]\n"
     "\n"
     "Shows it in a browser. Prints the address of a page on this machine, and serves that until an\n"
     "interrupt. A MESH is compiled (.dpa) or in a format that dynpoint compile reads. A SCENE, which\n"
     "is a scene by name, a scene file or an arm's scene, is felt by a simulated hand that presses\n"
-    "and lets go, or by --device; it is dynpoint run SCENE --view.\n"
+    "and lets go, or by --device; it is dynpoint run SCENE --view. With -o that hand feels it for\n"
+    "--for or --ticks, by default 5 seconds of its own time, and the page shows what was recorded.\n"
     "\n"
     "  -o PAGE.html     write a page that plays by itself, opened by a double click, and serve none\n"
     "  --mesh FILE      where the scene of the recording is now, if that is no scene by name, the\n"
@@ -38,7 +39,8 @@ static const char help[] =
     "  --port N         of the page; default a free one\n"
     "  --address A      serve it on this address instead, to other machines, unencrypted\n"
     "  --for S          serve it so many seconds\n"
-    "  --control        of a scene: the hand stands still until the page moves it\n";
+    "  --control        of a scene: the hand stands still until the page moves it\n"
+    "  --json           the address as a JSON object\n";
 
 struct view_settings {
     const char *path, *out;
@@ -176,9 +178,78 @@ static int show_file(const struct view_settings *settings)
     return status;
 }
 
+/* Whether an argument is the option, alone or with its value behind an equals sign. */
+static int is_option(const char *argument, const char *option)
+{
+    const size_t length = strlen(option);
+    return !strncmp(argument, option, length) && (!argument[length] || argument[length] == '=');
+}
+
+/* `dynpoint run SCENE --record`, with a simulated hand if no device is named, and a page of that. */
+static int write_scene(int argc, char **argv, const char *out)
+{
+    static char command[] = "view", record[] = "--record", device[] = "--device", press[] = "sim:?hand=press",
+                span[] = "--for", seconds[] = "5";
+    static const char *const served[] = { "--view", "--open", "--port", "--address", "--control", "--record", NULL };
+    const struct view_settings settings = { .path = argv[1], .out = out };
+    int count = 0, has_device = 0, has_end = 0, status = 0;
+    if (!strcmp(out, "-"))
+        return complain("view", "-o: the page of a scene is a file: how it went is on standard output");
+    if (!view_page_bytes().html)
+        return write_page(&settings, NULL);
+    if (output_check_name("view", out, ".html .htm", "a page"))
+        return 2;
+    char **words = calloc((size_t)argc + 7, sizeof *words), *recorded = malloc(strlen(out) + sizeof ".dpr");
+    if (words && recorded)
+        strcat(strcpy(recorded, out), ".dpr");
+    else
+        status = complain("view", "memory ran out");
+    for (int i = 0; status == 0 && i < argc; i++) {
+        for (const char *const *option = served; i && *option; option++)
+            if (is_option(argv[i], *option))
+                status = complain("view", "-o writes a page of a scene, and does not go with %s", *option);
+        if (!strcmp(argv[i], "-o"))
+            i++;
+        else if (!is_option(argv[i], "-o"))
+            words[count++] = i ? argv[i] : command;
+        has_device |= is_option(argv[i], device);
+        has_end |= is_option(argv[i], span) || is_option(argv[i], "--ticks");
+    }
+    FILE *there = status == 0 ? fopen(recorded, "rb") : NULL;
+    if (there) {
+        fclose(there);
+        status = complain("view", "%s is in the way: the scene is recorded there first", recorded);
+    } else if (status == 0) {
+        words[count++] = record;
+        words[count++] = recorded;
+        if (!has_device) {
+            words[count++] = device;
+            words[count++] = press;
+        }
+        if (!has_end) {
+            words[count++] = span;
+            words[count++] = seconds;
+        }
+        status = command_run(count, words);
+        struct view_settings page = { .path = recorded, .out = out, .files.recording = recorded };
+        if (status == 0)
+            status = show_recording(&page);
+        remove(recorded);
+    }
+    free(words);
+    free(recorded);
+    return status;
+}
+
 /* `dynpoint run SCENE --view`, with a simulated hand if no device is named. */
 static int run_scene(int argc, char **argv)
 {
+    complain_as("run", "view");
+    for (int i = 2; i < argc; i++)
+        if (is_option(argv[i], "-o")) {
+            const char *out = argv[i][2] ? argv[i] + 3 : i + 1 < argc ? argv[i + 1] : NULL;
+            return out ? write_scene(argc, argv, out) : complain("view", "-o needs a value");
+        }
     static char command[] = "view", view[] = "--view", device[] = "--device", press[] = "sim:?hand=press&live=1",
                 hold[] = "sim:?hand=hold&live=1";
     char **words = calloc((size_t)argc + 4, sizeof *words);
@@ -187,14 +258,7 @@ static int run_scene(int argc, char **argv)
         return complain("view", "memory ran out");
     words[count++] = command;
     for (int i = 1; i < argc; i++) {
-        if (!strcmp(argv[i], "-o")) {
-            free(words);
-            return complain("view",
-                            "-o: a scene is felt, and has no page of its own: dynpoint run %s ... --record F.dpr, then "
-                            "dynpoint view F.dpr -o PAGE.html",
-                            argv[1]);
-        }
-        has_device |= !strcmp(argv[i], device);
+        has_device |= is_option(argv[i], device);
         has_control |= !strcmp(argv[i], "--control");
         words[count++] = argv[i];
     }
@@ -214,8 +278,8 @@ static int check_out(const struct view_settings *settings)
                                    settings->files.tool ? settings->files.tool : "", NULL };
     if (!settings->out)
         return 0;
-    if (settings->serve.open || settings->serve.port || settings->serve.address)
-        return complain("view", "-o writes a page, and --open, --port and --address serve one");
+    if (settings->serve.open || settings->serve.port || settings->serve.address || settings->serve.json)
+        return complain("view", "-o writes a page, and --open, --port, --address and --json serve one");
     return output_check("view", settings->out, inputs) ||
                    output_check_name("view", settings->out, ".html .htm", "a page")
                ? 2
@@ -242,6 +306,7 @@ int command_view(int argc, char **argv)
         { .name = "--address", .text = &settings.serve.address },
         { .name = "--for", .number = &settings.seconds },
         { .name = "--control", .flag = &is_control },
+        { .name = "--json", .flag = &settings.serve.json },
     };
     static const struct operand_def taken[] = { { .kind = VALUE_SCENE } };
     int status = parse_options(argc, argv, COMMAND_SYNTAX(options, help, taken), &settings.path, 1, &operands);

@@ -18,9 +18,21 @@
 #include "text/open_file.h"
 #include "text/parse_number.h"
 
+static struct {
+    const char *command, *typed;
+} renamed;
+
+void complain_as(const char *command, const char *typed)
+{
+    renamed.command = command;
+    renamed.typed = typed;
+}
+
 int complain(const char *command, const char *format, ...)
 {
     va_list arguments;
+    if (renamed.command && !strcmp(command, renamed.command))
+        command = renamed.typed;
     fprintf(stderr, *command ? "dynpoint %s: " : "dynpoint%s: ", command);
     va_start(arguments, format);
     vfprintf(stderr, format, arguments);
@@ -150,12 +162,42 @@ int parse_options(int argc, char **argv, const struct command_syntax *syntax, co
     return -1;
 }
 
+/* Whether one of `endings`, with blanks between, is the ending, whatever its case. */
+static int is_among(const char *ending, const char *endings)
+{
+    const size_t length = strlen(ending);
+    for (; *endings; endings += strspn(endings, " ")) {
+        const size_t size = strcspn(endings, " ");
+        if (size == length && strncasecmp(ending, endings, size) == 0)
+            return 1;
+        endings += size;
+    }
+    return 0;
+}
+
+size_t choose_options(const struct option_def *options, size_t count, const char *names, struct option_def *chosen)
+{
+    size_t taken = 0;
+    for (size_t i = 0; i < count; i++)
+        if (is_among(options[i].name, names))
+            chosen[taken++] = options[i];
+    return taken;
+}
+
 int word_index(const char *text, const char *const *words)
 {
     for (int i = 0; words[i]; i++)
         if (strcmp(text, words[i]) == 0)
             return i;
     return -1;
+}
+
+int find_word(int argc, char **argv, const char *const *words)
+{
+    int found = -1;
+    for (int i = 1; i < argc && found < 0; i++)
+        found = word_index(argv[i], words);
+    return found;
 }
 
 static int get_status(const char *path, FILE *standard, struct file_status *status)
@@ -171,19 +213,6 @@ int output_check(const char *command, const char *path, const char *const *input
     for (; *inputs; inputs++)
         if (get_status(*inputs, stdin, &in) == 0 && in.volume == out.volume && in.number == out.number)
             return complain(command, "%s: it is an input too, and would be overwritten", path);
-    return 0;
-}
-
-/* Whether `endings` has the ending, whatever its case. */
-static int is_among(const char *ending, const char *endings)
-{
-    const size_t length = strlen(ending);
-    for (; *endings; endings += strspn(endings, " ")) {
-        const size_t size = strcspn(endings, " ");
-        if (size == length && strncasecmp(ending, endings, size) == 0)
-            return 1;
-        endings += size;
-    }
     return 0;
 }
 

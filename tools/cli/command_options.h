@@ -12,6 +12,12 @@
 #include "dynpoint.h"
 #include "dynpoint/host.h"
 
+/*
+ * Errors of a command name what was typed from now on: another command that it serves, as view does run, or a sub-command
+ * of it. Both texts last.
+ */
+void complain_as(const char *command, const char *typed);
+
 /* Print "dynpoint COMMAND: ..." as one line on standard error; returns 2, the exit status. */
 int complain(const char *command, const char *format, ...)
 #ifdef __GNUC__
@@ -78,6 +84,12 @@ struct command_syntax {
  */
 int parse_options(int argc, char **argv, const struct command_syntax *syntax, const char **operand,
                   size_t operand_capacity, size_t *operands);
+
+/* Those of the options that `names` has, with blanks between, into `chosen`, which has room for all; how many there are. */
+size_t choose_options(const struct option_def *options, size_t count, const char *names, struct option_def *chosen);
+
+/* The first argument that is one of the words, as word_index; -1: none is. A command that has others of its own begins so. */
+int find_word(int argc, char **argv, const char *const *words);
 
 /* The index of the text in `words`, which ends with NULL; -1 if it is none of them. */
 int word_index(const char *text, const char *const *words);

@@ -27,7 +27,7 @@ int command_stability(int argc, char **argv);
 int command_view(int argc, char **argv);
 
 /* dynpoint device simulate. */
-int device_simulate(const char *what, double swing, double seconds);
+int device_simulate(const char *what, double swing, double seconds, int json);
 
 /* dynpoint device identify. */
 struct identify_request {

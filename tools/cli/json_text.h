@@ -4,12 +4,13 @@
 #define DPT_TOOLS_JSON_TEXT_H
 
 #include <stdio.h>
+#include <string.h>
 
-/* Write it in quotes. */
-static inline void json_write_text(FILE *file, const char *text)
+/* Write the first `length` bytes of it in quotes. */
+static inline void json_write_part(FILE *file, const char *text, size_t length)
 {
     putc('"', file);
-    for (; *text; text++) {
+    for (; length > 0; length--, text++) {
         if (*text == '"' || *text == '\\')
             fprintf(file, "\\%c", *text);
         else if ((unsigned char)*text < 0x20)
@@ -18,6 +19,12 @@ static inline void json_write_text(FILE *file, const char *text)
             putc(*text, file);
     }
     putc('"', file);
+}
+
+/* Write it in quotes. */
+static inline void json_write_text(FILE *file, const char *text)
+{
+    json_write_part(file, text, strlen(text));
 }
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef DPT_TOOLS_PLAN_FILE_H
 #define DPT_TOOLS_PLAN_FILE_H
 
+#include "cli/command_options.h"
 #include "measure/judgement.h"
 #include "measure/measure_setting.h"
 #include "scene/file_identity.h"
@@ -174,6 +175,12 @@ struct plan_text plan_broken_text(const struct plan_limits *limits, const struct
 /* The worse of two, number by number; ticks and units are added up. */
 void plan_figures_join(struct plan_figures *figures, const struct plan_figures *other);
 
+/* How far a plan is, on a terminal: each measurement goes a quarter of the way to where the next part of it begins. */
+struct plan_progress {
+    struct meter meter;
+    double at, until; /* 0..1 of all */
+};
+
 /*
  * A trace by which settings are measured: the richest setting over it once, and then others beside that. Close it also
  * after a failure. Calls return 0, or 2 after a message.
@@ -182,6 +189,8 @@ void plan_figures_join(struct plan_figures *figures, const struct plan_figures *
  *   bench_measure   `passes` of which the least time counts
  */
 struct plan_bench {
+    struct plan_progress
+        *progress; /* the caller sets it before plan_bench_open; NULL: each measurement shows its own */
     const struct scene *scene;
     const struct csv_table *trace;
     struct measure_run reference;

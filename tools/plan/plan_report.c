@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cli/json_text.h"
 #include "cli/law_name.h"
 #include "plan/plan_file.h"
 #include "plan/plan_knobs.h"
@@ -153,6 +154,52 @@ void plan_report(FILE *file, const struct plan *plan, const struct plan_search *
                 plan->figures.work_p999 > 0.0 ? plan->better.figures.work_p999 / plan->figures.work_p999 : 1.0);
     else
         fprintf(file, "  next better: nothing tells more; the richest has more memory and a larger budget\n");
+}
+
+/* A plan's file without its ends of lines, and the blanks that begin a line. No text of JSON has such an end. */
+static void copy_in_a_line(FILE *to, FILE *from)
+{
+    int letter, is_indent = 0;
+    while ((letter = getc(from)) != EOF) {
+        is_indent = letter == '\n' || (is_indent && letter == ' ');
+        if (!is_indent)
+            putc(letter, to);
+    }
+}
+
+int plan_report_json(FILE *file, const struct plan *plan, const struct plan_search *search)
+{
+    FILE *text = tmpfile();
+    if (!text)
+        return 1;
+    plan_file_write(text, plan);
+    rewind(text);
+    fputs("{\"limit\":null,\"plan\":", file);
+    copy_in_a_line(file, text);
+    fclose(text);
+    fprintf(file,
+            ",\"richest\":{\"distance_error\":%.17g,\"force_error\":%.17g,\"work_p999\":%.17g,\"time_p999\":%.17g},"
+            "\"refused\":[",
+            search->richest.distance_error, search->richest.force_error, search->richest.work_p999,
+            search->richest.time_p999);
+    for (uint32_t i = 0; i < search->refused_count; i++) {
+        const struct plan_neighbour *refused = &search->refused[i];
+        fputs(i ? ",{\"knob\":" : "{\"knob\":", file);
+        json_write_text(file, refused->knob);
+        fputs(",\"value\":", file);
+        json_write_text(file, refused->value);
+        fprintf(file, ",\"breaks\":\"%s\",\"where\":\"%s\"}", plan_bound_words[refused->broken],
+                plan_trace_words[refused->trace]);
+    }
+    fputs("]}\n", file);
+    return 0;
+}
+
+void plan_report_limit_json(FILE *file, const char *limit)
+{
+    fputs("{\"limit\":", file);
+    json_write_text(file, limit);
+    fputs(",\"plan\":null}\n", file);
 }
 
 static const char *until_name(uint32_t until)

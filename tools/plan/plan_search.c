@@ -13,6 +13,11 @@ enum { PASSES = 3 };
 /* Of units: a knob that leaves more saves nothing. */
 #define SAVED 0.9
 
+/* How far a plan is when its traces are felt by the richest setting, when the knobs are turned, and when it is verified. */
+#define OF_BENCHES   0.1
+#define OF_KNOBS     0.6
+#define OF_VERIFYING 0.9
+
 /* What was taken away, so that it can be given back. */
 enum { TAKEN_MAX = 512 };
 struct taken {
@@ -160,6 +165,8 @@ static int climb_down(struct climb *climb)
         const uint32_t bodies = plan_knobs[i].of_bodies ? climb->scene->bodies.count : 1;
         const struct plan_figures before = climb->figures;
         const size_t taken_before = climb->taken_count;
+        climb->search->progress.until =
+            OF_BENCHES + (OF_KNOBS - OF_BENCHES) * (double)(i + 1) / (double)plan_knob_count;
         for (uint32_t body = 0; status == 0 && body < bodies; body++)
             status = turn(climb, &plan_knobs[i], body);
         if (status == 0)
@@ -365,6 +372,8 @@ static int open_benches(struct plan_search *search, const struct plan *plan, con
         if (status)
             break;
         search->traces = i + 1;
+        search->bench[i].progress = &search->progress;
+        search->progress.until = OF_BENCHES * (i + 1) / traces;
         status = plan_bench_open(&search->bench[i], scene, &search->trace[i], &plan->setting);
         if (i != PLAN_FIRST_HALF)
             plan_figures_join(&search->richest, &search->bench[i].richest);
@@ -386,8 +395,10 @@ int plan_search(struct plan_search *search, struct plan *plan, const struct scen
                                           "--force-error needs another one (--trace, --seed)");
     if (status == 0)
         status = climb_down(&climb);
+    search->progress.until = OF_VERIFYING;
     if (status == 0)
         status = verify(&climb, plan, limit);
+    search->progress.until = 1.0;
     plan->setting = climb.setting;
     if (search->refused_count)
         plan->cheaper = search->refused[search->last_refused];
@@ -395,6 +406,7 @@ int plan_search(struct plan_search *search, struct plan *plan, const struct scen
         status = plan_bench_measure(&search->bench[PLAN_FIRST_HALF], &climb.setting, 1, &search->first);
     if (status == 0)
         status = find_better(&climb, plan);
+    meter_show(&search->progress.meter, "", 1.0);
     plan->limits = plan_limits_of(&plan->asked, &plan->setting, &search->bench[0], 0);
     plan->limits.work = plan_capacity(plan->figures.work, &plan->setting, scene);
     return status;

@@ -12,6 +12,7 @@ struct plan_search {
     struct plan_bench bench[PLAN_TRACES];
     struct csv_table trace[PLAN_TRACES];
     int traces; /* how many there are */
+    struct plan_progress progress;
     struct plan_neighbour refused[PLAN_REFUSED_MAX];
     uint32_t refused_count, last_refused;
     struct plan_figures richest; /* over the traces by which is verified */

@@ -235,12 +235,20 @@ static void figures_of(struct plan_figures *figures, const struct judgement *jud
 static int run_and_judge(const struct plan_bench *bench, const struct measure_setting *setting, uint32_t passes,
                          struct measure_run *run, struct judgement *judgement)
 {
-    struct meter meter = { .began = 0 };
-    const struct measure_effort effort = {
-        .passes = passes, .by_processor = 1, .meter = &meter, .name = "a setting", .end = 1.0
-    };
+    struct meter alone = { .began = 0 };
+    struct plan_progress *progress = bench->progress;
+    const double to = progress ? progress->at + 0.25 * (progress->until - progress->at) : 1.0;
+    const struct measure_effort effort = { .passes = passes,
+                                           .by_processor = 1,
+                                           .meter = progress ? &progress->meter : &alone,
+                                           .name = progress ? "plan" : "a setting",
+                                           .begin = progress ? progress->at : 0.0,
+                                           .end = to };
     int status = measure_run(run, bench->scene, bench->trace, setting, &effort);
-    meter_show(&meter, "", 1.0);
+    if (progress)
+        progress->at = to;
+    else
+        meter_show(&alone, "", 1.0);
     const struct measure_run *reference = bench->reference.tick ? &bench->reference : run;
     if (status == 0 && measure_judge(judgement, run, reference))
         status = complain(bench->scene->command, "memory ran out");
@@ -260,7 +268,7 @@ int plan_bench_open(struct plan_bench *bench, const struct scene *scene, const s
     const struct measure_setting richest = plan_richest(setting, scene);
     struct judgement judgement;
     struct measure_run run;
-    *bench = (struct plan_bench){ .scene = scene, .trace = trace };
+    *bench = (struct plan_bench){ .progress = bench->progress, .scene = scene, .trace = trace };
     const int status = run_and_judge(bench, &richest, 1, &run, &judgement);
     bench->reference = run;
     if (status)

@@ -162,7 +162,7 @@ static int measure(const struct replay_plan_options *options, const struct plan 
                    const struct csv_table *trace, struct verdict *verdict)
 {
     const struct measure_setting *setting = options->cheaper ? &plan->cheaper.setting : &plan->setting;
-    struct plan_bench bench;
+    struct plan_bench bench = { .progress = NULL };
     int status = plan_bench_open(&bench, scene, trace, &plan->setting);
     if (status == 0)
         status = plan_bench_measure(&bench, setting, options->check_time ? 3 : 1, &verdict->figures);

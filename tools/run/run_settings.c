@@ -106,7 +106,8 @@ static const char help[] =
     "  --port N         of the page; default a free one\n"
     "  --address A      serve the page on this address instead, to other machines, unencrypted\n"
     "  --control        a simulated hand stands still until the page moves it\n"
-    "  --json           what is said at the end as one JSON object\n";
+    "  --json           what is said at the end as one JSON object; with --view the address before it,\n"
+    "                   as another one, in a line of its own\n";
 
 int run_is_traced(const struct run_settings *settings)
 {
@@ -260,6 +261,7 @@ int run_settings_read(struct run_settings *settings, int argc, char **argv)
     int status = parse_settings(settings, &words, argc, argv);
     if (status >= 0)
         return status;
+    settings->view.json = settings->json;
     if (settings->plan_path && read_plan(settings, words.operands, &words.law))
         return 2;
     words.operands += settings->plan_path != NULL;

@@ -13,6 +13,7 @@ struct run_view_options {
     int control;         /* the page may steer a simulated hand */
     uint64_t port;       /* 0: a free one */
     const char *address; /* NULL: this machine alone */
+    int json;            /* its address is told as a JSON object */
 };
 
 /* Refuse options that do not go together. Returns 0, or 2 after a message. */

@@ -80,7 +80,7 @@ int view_serve(const char *command, const struct run_view_options *options, cons
     fputs(warning, stderr);
     if (options->open)
         open_browser(serving, command, url);
-    printf("the viewer: %s\n", url);
+    printf(options->json ? "{\"viewer\":\"%s\"}\n" : "the viewer: %s\n", url);
     fflush(stdout);
     *made = serving;
     return 0;
