@@ -113,6 +113,7 @@ else
     [ "$whole" = check ] || run "planted faults" sh tests/planted.sh build
     run "the libraries" env RELEASE="$release" sh tests/abi/check.sh build
     run "CMake" sh tests/abi/cmake.sh build
+    run "what is installed" sh tests/abi/install.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     run_reading "include src drivers tools tests/abi docs/samples" "Python's package" env RELEASE="$release" sh tests/python/check.sh build
     command_line build

@@ -117,7 +117,7 @@ sed "s|@PREFIX@|${where:-$PREFIX}|; s|@LIBDIR@|$(below "$LIBDIR" '${dynpoint_pre
      s|@JANSSON@|$JANSSON|; s|@CCD@|$CCD|" tools/packaging/cmake/dynpointConfig.cmake.in | written "$cmake" dynpointConfig.cmake
 sed "s|@VERSION@|$VERSION|" tools/packaging/cmake/dynpointConfigVersion.cmake.in | written "$cmake" dynpointConfigVersion.cmake
 
-put 644 "$DATADIR/doc/dynpoint" LICENSE README.md
+put 644 "$DATADIR/doc/dynpoint" LICENSE README.md "$build/summary.txt"
 (cd docs && find . -type f ! -path '*/pictures/*' ! -path '*/charts/*') | sed 's|^\./||' | LC_ALL=C sort >"$list.docs"
 while IFS= read -r page; do
     case $page in */*) folder=/${page%/*} ;; *) folder= ;; esac
