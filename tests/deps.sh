@@ -23,7 +23,7 @@ firmware|123 MB|a Cortex-M7 in an emulator|gcc-arm-none-eabi libnewlib-arm-none-
 vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv
 motors|9 MB, and 75 more from PyPI|libraries for Damiao, RobStride, CyberGear and moteus motors, which read our frames|python3 python3-venv
 view|234 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them; pictures|pkg-config libwebsockets-dev nodejs npm chromium webp
-build|26 MB|projects built with CMake; manual pages as they are shown|cmake groff
+build|27 MB, and 340 for a chroot|projects built with CMake, also in an empty chroot; manual pages as they are shown|cmake debootstrap groff
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
 python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv

@@ -135,6 +135,7 @@ else
     run "another C library" sh tests/platforms/musl.sh build
     if [ "$whole" = release ]; then
         run_waiting "Windows" env JOBS=1 sh tests/platforms/windows.sh build
+        run "an embedder's first hour" sh tests/platforms/embedder.sh build
         run "macOS" env JOBS=1 sh tests/platforms/macos.sh build
         run "Python's wheels" env JOBS=1 sh tests/python/wheels.sh build
         run "Python's package, sanitized" env JOBS=1 sh tests/python/sanitize.sh build

@@ -45,23 +45,6 @@ made() {
     return $status
 }
 
-cat >"$scratch/host.cc" <<'C'
-#include <cstdio>
-#include <dynpoint/driver.h>
-#include <dynpoint/host.h>
-int main()
-{
-    dpt_device *device = nullptr;
-    dpt_host_error error{};
-    error.size = sizeof error;
-    if (dpt_device_open("sim", &device, nullptr) != DPT_OK)
-        return 1;
-    dpt_device_close(device);
-    std::puts(dpt_version());
-    return 0;
-}
-C
-
 project shared C tests/abi/user.c 'find_package(dynpoint 0.3 REQUIRED COMPONENTS core compile)' 'set(wanted dynpoint::compile)'
 made shared -DCMAKE_PREFIX_PATH="$prefix" && "$scratch/shared/build/user" &&
     readelf -d "$scratch/shared/build/user" | grep -q 'NEEDED.*libdynpoint_compile'
@@ -71,10 +54,10 @@ made static -DCMAKE_PREFIX_PATH="$prefix" && "$scratch/static/build/user" &&
     ! readelf -d "$scratch/static/build/user" | grep -q 'NEEDED.*libdynpoint'
 verdict $? "find_package: static libraries, see $log"
 if command -v "${CXX:-c++}" >/dev/null 2>&1; then
-    project host CXX "$scratch/host.cc" 'find_package(dynpoint REQUIRED COMPONENTS host drivers)' 'set(wanted dynpoint::host)'
+    project host CXX tests/abi/host_user.cc 'find_package(dynpoint REQUIRED COMPONENTS host drivers)' 'set(wanted dynpoint::host)'
     made host -DCMAKE_PREFIX_PATH="$prefix" && [ "$("$scratch/host/build/user")" = "$("$build/dynpoint" -V | cut -d ' ' -f 2)" ]
     verdict $? "find_package: a host with drivers in C++17, see $log"
-    project static_host CXX "$scratch/host.cc" 'find_package(dynpoint REQUIRED COMPONENTS host)' 'set(wanted dynpoint::host_static)'
+    project static_host CXX tests/abi/host_user.cc 'find_package(dynpoint REQUIRED COMPONENTS host)' 'set(wanted dynpoint::host_static)'
     made static_host -DCMAKE_PREFIX_PATH="$prefix" && "$scratch/static_host/build/user" >/dev/null
     verdict $? "find_package: the same, static, see $log"
 else
