@@ -178,9 +178,20 @@ LEFT_OUT = $(if $(IS_SILENT),,$(call lacks,URDF,robots in URDF (urdfdom and a C+
   $(call lacks,LWS,the viewer in a browser (libwebsockets),view) \
   $(call lacks,VIEW_PAGE,the viewer's page (node and three.js),view))
 
+SUMMARY := $(B)/summary.txt
+
+# For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
+CDEF := $(B)/include/dynpoint_cdef.h
+# The manual's pages are what the program says of itself: where it runs.
+MAN := $(if $(filter release,$(CONFIG)),$(if $(filter linux,$(PLATFORM)),$(B)/man/dynpoint.1))
+
+.PHONY: all summary amalgamation force demo test check check-platforms check-view check-wasm check-page firmware vm bench charts pictures stability soak fuzz install uninstall help clean
+.SECONDARY:
+all: $(B)/dynpoint$(EXE) $(LIBS:%=%.a) $(LIBS:%=%$(SO)) $(CDEF) $(MAN) $(SUMMARY) ## the program and the libraries (default)
+	@:; $(LEFT_OUT)
+
 # What is built in, what is not, and why: in one place, installed with the pages.
 has = printf '%-22s %s\n' '$2' '$(if $(filter yes,$($1)),yes,no: $(if $(filter yes,$($1_HERE)),left out by $1=$($1),needs $3: make deps $4))';
-SUMMARY := $(B)/summary.txt
 $(SUMMARY): force
 	@mkdir -p $(@D)
 	@{ printf '%-22s %s\n' version '$(VERSION)' configuration '$(CONFIG)' 'built for' '$(PLATFORM), $(MACHINE)' \
@@ -197,16 +208,6 @@ $(SUMMARY): force
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 summary: $(SUMMARY) ## what is built in, what is not, and why
 	@cat $<
-
-# For foreign-function interfaces: all headers, whichever libraries this build has (docs/ffi.md).
-CDEF := $(B)/include/dynpoint_cdef.h
-# The manual's pages are what the program says of itself: where it runs.
-MAN := $(if $(filter release,$(CONFIG)),$(if $(filter linux,$(PLATFORM)),$(B)/man/dynpoint.1))
-
-.PHONY: all summary amalgamation force demo test check check-platforms check-view check-wasm check-page firmware vm bench charts pictures stability soak fuzz install uninstall help clean
-.SECONDARY:
-all: $(B)/dynpoint$(EXE) $(LIBS:%=%.a) $(LIBS:%=%$(SO)) $(CDEF) $(MAN) $(SUMMARY) ## the program and the libraries (default)
-	@:; $(LEFT_OUT)
 
 $(B)/%.o: %.c
 	@mkdir -p $(@D)

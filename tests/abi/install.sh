@@ -14,7 +14,7 @@ quiet=1
 
 # From the environment, as packagers give them: a line a command.
 env CPPFLAGS=-DOF_CPP CFLAGS='-O1 -DOF_C' CXXFLAGS='-O1 -DOF_CXX' LDFLAGS=-Wl,-z,of_ld \
-    make -n B="$scratch/none" all >"$scratch/commands" 2>&1
+    make -n B="$scratch/none" >"$scratch/commands" 2>&1
 grep -E ' -c .*\.c -o ' "$scratch/commands" >"$scratch/c"
 grep -E ' -c .*\.cc -o ' "$scratch/commands" >"$scratch/cxx"
 # Programs and shared libraries; what joins objects is no link.

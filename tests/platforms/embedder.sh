@@ -44,14 +44,21 @@ cmake_project() {
     printf 'END\ncmake -S . -B b -DCMAKE_BUILD_TYPE=Debug && cmake --build b && b/user >/dev/null'
 }
 
+# The seconds of processor time that commands took so far.
+computed() {
+    times | sed -n '2s/[ms]/ /gp' | awk '{ print 60 * $1 + $2 + 60 * $3 + $4 }'
+}
+
 # task NAME WAY...: the first that works; its number less one are the stumbles
 task() {
-    name=$1 stumbles=0 begun=$(date +%s.%N)
+    name=$1 stumbles=0
+    computed >"$place/begun"
     shift
     for way; do
         echo "== $name: $way" >>"$log"
         if inside "$way"; then
-            printf '%s|%.1f|%d\n' "$name" "$(echo "$(date +%s.%N) $begun" | awk '{ print $1 - $2 }')" $stumbles >>"$place/table"
+            computed >"$place/ended"
+            printf '%s|%.1f|%d\n' "$name" "$(paste "$place/ended" "$place/begun" | awk '{ print $1 - $2 }')" $stumbles >>"$place/table"
             return
         fi
         stumbles=$((stumbles + 1))
@@ -123,7 +130,7 @@ arm='arm-none-eabi-gcc -mcpu=cortex-m7 -mthumb -mfloat-abi=hard -mfpu=fpv5-d16 -
 task 'firmware for a Cortex-M7: the core in one file' \
     "$begin $arm -Idynpoint -c dynpoint/dynpoint.c -o core.o && $arm -Idynpoint firmware.c core.o --specs=nosys.specs -Wl,--gc-sections -lm -o firmware.elf && arm-none-eabi-size firmware.elf"
 
-echo "an embedder's first hour, $(git log -1 --format=%h "$commit"): task, seconds, stumbles"
+echo "an embedder's first hour, $(git log -1 --format=%h "$commit"): task, seconds of processor time, stumbles"
 sed 's/|/ | /g; s/^/  /' "$place/table"
 [ "$(wc -l <"$place/table")" -eq 12 ] && ! grep -q 'no way left' "$place/table"
 verdict $? "each task is done in the end, see $log"
