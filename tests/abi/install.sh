@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# What make takes from its caller, and what install and uninstall do: `sh tests/abi/install.sh BUILD`. Flags are looked at in
-# the commands that make would run.
+# What make takes from its caller, and what install and uninstall do: `sh tests/abi/install.sh BUILD`. Flags are looked
+# at in the commands that make would run.
 set -u
 . "$(dirname "$0")/../lib/verdict.sh"
 build=$1

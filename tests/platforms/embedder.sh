@@ -46,7 +46,8 @@ cmake_project() {
 
 # The seconds of processor time that commands took so far.
 computed() {
-    times | sed -n '2s/[ms]/ /gp' | awk '{ print 60 * $1 + $2 + 60 * $3 + $4 }'
+    times >"$place/times"
+    sed -n '2s/[ms]/ /gp' "$place/times" | awk '{ print 60 * $1 + $2 + 60 * $3 + $4 }'
 }
 
 # task NAME WAY...: the first that works; its number less one are the stumbles

@@ -184,13 +184,14 @@ json()
         check "three-$name.obj" grep -q "\"path\":\"three-$name.obj\",\"triangles\":$(grep -c '^f' three-$name.obj),\"vertices\":$(
             grep -c '^v ' three-$name.obj)}" stdout
     done
-    succeeds 'a run' run tori --device 'sim:?hand=press' --ticks 300 --record run.dpr
+    succeeds 'a run' run tori --device 'sim:?hand=press' --ticks 1500 --record run.dpr
     succeeds 'its columns' record csv run.dpr -o run.csv
     succeeds 'plot --json' plot run.csv -o run.svg --json
     check "what was drawn: $(cat stdout)" has_keys stdout from to runs
     force=$(awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
         { f = sqrt($at["sent_fx"] ^ 2 + $at["sent_fy"] ^ 2 + $at["sent_fz"] ^ 2); if (f > most) most = f }
         END { printf "%.6g", most }' run.csv)
+    check "something is felt: $force" test "${force%%.*}" -ge 1
     check "the strongest is $force: $(cat stdout)" test "$(sed 's/.*"Force".*"highest":\([0-9.e-]*\),.*"Gap".*/\1/' stdout |
         awk '{ printf "%.6g", $1 }')" = "$force"
     refuses 'plot: both want standard output' '--json and -o -' plot run.csv -o - --json
