@@ -133,10 +133,8 @@ task 'firmware for a Cortex-M7: the core in one file' \
 
 echo "an embedder's first hour, $(git log -1 --format=%h "$commit"): task, seconds of processor time, stumbles"
 sed 's/|/ | /g; s/^/  /' "$place/table"
-[ "$(wc -l <"$place/table")" -eq 12 ] && ! grep -q 'no way left' "$place/table"
-verdict $? "each task is done in the end, see $log"
 if [ "$commit" = HEAD ]; then
-    [ -z "$(grep -v '|0$' "$place/table")" ]
-    verdict $? "each in the way that is tried first: $(grep -v '|0$' "$place/table" | tr '\n' ' ')"
+    [ "$(wc -l <"$place/table")" -eq 11 ] && ! grep -v '|0$' "$place/table" >"$place/stumbled"
+    verdict $? "eleven tasks are done in the way that is tried first: $(tr '\n' ' ' <"$place/stumbled"), see $log"
 fi
 finish
