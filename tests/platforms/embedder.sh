@@ -24,17 +24,17 @@ if [ ! -e "$base/made" ]; then
         bookworm "$base" >>"$log" 2>&1 || { skip "an embedder's first hour: debootstrap failed, see $log"; finish; }
     : >"$base/made"
 fi
-rm -rf "$base/src" "$base/work" "$base/usr/local"
-mkdir -p "$base/src" "$base/work" "$base/usr/local"
+rm -rf "$base/src" "$base/home" "$base/usr/local"
+mkdir -p "$base/src" "$base/home" "$base/usr/local"
 git archive "$commit" | tar -x -C "$base/src"
 here=$(cd "$(dirname "$0")/.." && pwd)
-cp "$here/abi/user.c" "$base/work/user.c"
-cp "$here/abi/user.c" "$base/work/user.cc"
-cp "$here/abi/host_user.cc" "$base/work/host.cc"
+cp "$here/abi/user.c" "$base/home/user.c"
+cp "$here/abi/user.c" "$base/home/user.cc"
+cp "$here/abi/host_user.cc" "$base/home/host.cc"
 
 # inside COMMAND...: without anything of this machine's environment
 inside() {
-    env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/work LC_ALL=C chroot "$base" /bin/sh -ec "cd /work; $1" >>"$log" 2>&1
+    env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/home LC_ALL=C chroot "$base" /bin/sh -ec "cd /home; $1" >>"$log" 2>&1
 }
 
 # cmake_project LINES...: a CMakeLists.txt, configured, built and run
@@ -111,10 +111,10 @@ task 'a program without any shared library' \
     "cc user.c -static \$(pkg-config --cflags --libs --static libdynpoint_compile) -o user && ./user && ! readelf -d user | grep -q NEEDED" \
     "cc user.c -static -ldynpoint_compile -ldynpoint -lm -pthread -o user && ./user"
 task 'a tree that was moved' \
-    "rm -rf /opt/dp; make -C /src -s install PREFIX=/usr DESTDIR=/work/staged; mv staged/usr /opt/dp; export PKG_CONFIG_PATH=/opt/dp/lib/pkgconfig
+    "rm -rf /opt/dp; make -C /src -s install PREFIX=/usr DESTDIR=/home/staged; mv staged/usr /opt/dp; export PKG_CONFIG_PATH=/opt/dp/lib/pkgconfig
         cc user.c \$(pkg-config --cflags --libs libdynpoint_compile) -Wl,-rpath,/opt/dp/lib -o user && [ -z \"\$(pkg-config --cflags libdynpoint_compile | grep -v /opt/dp)\" ] && ./user" \
     "cc user.c -I/opt/dp/include -L/opt/dp/lib -ldynpoint_compile -ldynpoint -Wl,-rpath,/opt/dp/lib -o user && ./user"
-cat >"$base/work/firmware.c" <<'C'
+cat >"$base/home/firmware.c" <<'C'
 #include "dynpoint.h"
 static unsigned char block[400000];
 int main(void)
