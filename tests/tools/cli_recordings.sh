@@ -79,7 +79,7 @@ info_and_csv()
     check 'the same' cmp -s stdout wipe.csv
     refuses 'record alone' 'is needed' record
     refuses 'csv without -o' 'is needed' record csv wipe.dpr
-    refuses 'info with -o' 'is needed' record info wipe.dpr -o out/x
+    refuses 'info with -o' 'unknown option -o' record info wipe.dpr -o out/x
     refuses 'no recording' 'not a dynpoint file' record info torus.csv
     refuses 'no file' 'cannot be opened' record info nowhere.dpr
     refuses 'onto itself' 'it is an input too' record csv wipe.dpr -o wipe.dpr
