@@ -389,7 +389,7 @@ static void note_loads(struct proxy_tick *tick, vec3 force)
     const struct insertion *insertion = insertion_of(world, tick->tool);
     const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tick->tool));
-    struct tool_push push = { .is_narrow = 1, .normal = scaled(line.axis, -1.0) };
+    struct tool_push push = { .normal = scaled(line.axis, -1.0), .is_narrow = 1 };
     vec3 rest = force;
     if (insertion->stopped_by) {
         push.body_id = insertion->stopped_by;
