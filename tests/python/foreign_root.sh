@@ -8,7 +8,7 @@ folder=$1
 [ ! -f "$folder/complete" ] || exit 0
 rm -rf "$folder"
 mkdir -p "$folder/apt/lists/partial" "$folder/apt/cache/archives/partial" || exit 1
-mkdir "$folder/packages" "$folder/root" "$folder/site" || exit 1
+mkdir "$folder/packages" "$folder/tree" "$folder/site" || exit 1
 folder=$(cd "$folder" && pwd)
 : >"$folder/apt/status"
 apt() { # COMMAND...
@@ -18,7 +18,7 @@ apt() { # COMMAND...
         -o Dir::State::lists="$folder/apt/lists" -o Dir::State::status="$folder/apt/status" -o Dir::Cache="$folder/apt/cache" "$@"
 }
 unpack() {
-    for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/root" || return 1; done
+    for package in "$folder"/packages/*.deb; do dpkg -x "$package" "$folder/tree" || return 1; done
 }
 {
     apt update &&

@@ -50,12 +50,12 @@ verdict $? "it installs into an empty virtual environment, without a compiler"
 verdict $? "there it answers as the C program, bit for bit: $(sed -n 's/^as C //p' "$room/here")"
 
 if [ -f "$foreign/complete" ] && command -v qemu-aarch64-static >/dev/null; then
-    wheel aarch64 "$foreign/root"
+    wheel aarch64 "$foreign/tree"
     rm -rf "$room/site"
     mkdir "$room/site" && (cd "$room/site" && "$made/python" -m zipfile -e "$OLDPWD/$wheel" .)
     verdict $? "it is unpacked"
-    (cd "$room" && PYTHONPATH=$room/site:$foreign/site qemu-aarch64-static -L "$foreign/root" \
-        "$foreign/root/usr/bin/python3.11" \
+    (cd "$room" && PYTHONPATH=$room/site:$foreign/site qemu-aarch64-static -L "$foreign/tree" \
+        "$foreign/tree/usr/bin/python3.11" \
         "$OLDPWD/tests/python/bits.py" "$organ" $unit trace.csv liver.dpa told.csv) >"$room/there" 2>>"$log"
     verdict $? "on AArch64 it answers as the C program"
     check "and as the wheel for x86-64, also a soft scene" cmp "$room/here" "$room/there"
