@@ -7,6 +7,7 @@
 #include "dynpoint/exchange.h"
 #include "dynpoint/host.h"
 #include "dynpoint/identify.h"
+#include "dynpoint/insertion.h"
 #include "dynpoint/passivity.h"
 #include "dynpoint/query.h"
 #include "dynpoint/recorder.h"

@@ -274,9 +274,11 @@ static void arrays(void)
     dpt_diag *diag = draw_diag(&of, &codes);
     const int no_out = draw_one_in(40), no_vertices = draw_one_in(40), no_corners = draw_one_in(40);
     const double scale = def.given && def.def.scale != 0.0 ? def.def.scale : 1.0;
+    const int is_moved = def.given && def.def.recentre;
+    const double farthest = is_moved ? 1e9 : DPT_COORDINATE_MAX;
     may_fail(&codes, no_out || (no_vertices && count) || (no_corners && triangles), DPT_E_ARGUMENT);
     for (uint32_t i = 0; i < 3 * count; i++)
-        may_fail(&codes, !(fabs(scale * vertices[i]) <= DPT_COORDINATE_MAX), DPT_E_FINITE);
+        may_fail(&codes, !(fabs(scale * vertices[i]) <= farthest), DPT_E_FINITE);
     for (uint32_t i = 0; i < 3 * triangles; i++)
         may_fail(&codes, corners[i] >= count, DPT_E_INDEX);
     may_fail(&codes, def.progress.stops_at > 0, DPT_E_CANCELLED);
@@ -287,6 +289,9 @@ static void arrays(void)
      */
     codes.or_done |= !codes.count || (codes.count == 1 && def.progress.stops_at > 0);
     may_fail(&codes, 1, DPT_E_EMPTY);
+    /* A mesh that is moved may be far away, but not larger; vertices of no triangle do not count. */
+    for (uint32_t i = 0; i < 3 * count; i++)
+        may_fail(&codes, is_moved && fabs(scale * vertices[i]) > 0.5 * DPT_COORDINATE_MAX, DPT_E_FINITE);
     may_fail(&codes, may_be_coarse(vertices, corners, triangles, count, scale), DPT_E_FINITE);
     call_with("%llu vertices, %llu triangles", count, triangles, 0, 0);
     const dpt_result result = RESULT(dpt_compile_arrays, no_vertices ? NULL : vertices, count,
