@@ -64,7 +64,7 @@ static int is_little_endian(void)
     return *(const unsigned char *)&one;
 }
 
-/* What the release told of the same scene. Friction settles to 1e-3 of a motion's length, and each release by its own way. */
+/* What the release told of the same scene. Friction settles to 1e-3 of a motion's length, by each its own way. */
 static void a_snapshot_stays_readable(void)
 {
     static uint64_t again[8192];
