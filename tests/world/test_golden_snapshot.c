@@ -97,8 +97,8 @@ static void a_snapshot_stays_readable(void)
     CHECK(made == size + sizeof tool.end && dpt_snapshot_get_tool(again, made, 0, &now) == DPT_OK,
           "%zu bytes, and %zu now", size, made);
     for (int k = 0; k < 3; k++)
-        CHECK(fabs(now.wrench.force[k] - tool.wrench.force[k]) < 1e-4 * tool.wrench.force[2], "axis %d: %g N, and %g now", k,
-              tool.wrench.force[k], now.wrench.force[k]);
+        CHECK(fabs(now.wrench.force[k] - tool.wrench.force[k]) < 1e-4 * tool.wrench.force[2],
+              "axis %d: %g N, and %g now", k, tool.wrench.force[k], now.wrench.force[k]);
 }
 
 static void a_recording_stays_readable(void)
