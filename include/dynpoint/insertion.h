@@ -13,16 +13,21 @@
  * channel: a straight hole along its axis, fixed to the body. There it moves along that line alone. Friction holds its
  * shaft, and its tip cuts where it goes deeper than it has been. The far side of the body, and bodies behind it, are
  * further walls. A tool that is drawn out is free again. The hole stays: in it the tip meets no wall and cuts nothing
- * that it has cut. Only the tool that made a hole goes into it, where its tip is within its radius of the mouth and
- * points along the channel.
+ * that it has cut. Only the tool that made a hole goes into it: where its tip is within its radius of the channel's line
+ * and within twice that of the mouth along it, and where it leans from the line by a cosine of 0.9 or more. One that is
+ * in another channel goes in where the hole lies on its line within a tenth of its radius.
  *
  * Of a body, what the needle's straight cylinder cuts in walls that have ruptured is open to it, and nothing else.
  * Needles do not bend.
  *
  * A tool leaves all its channels as by a teleport where bodies move so that its line cannot follow
- * (DPT_FORCE_FLAG_SQUEEZED): another body meets its shaft, or two bodies that it is in move aside of each other by a
- * tenth of its radius. Then it counts as inside until it has been outside. A hole ends with its body, which a teleport
- * of the body ends too, and with its tool. dpt_world_reset closes all holes.
+ * (DPT_FORCE_FLAG_SQUEEZED): another body meets its shaft, or its tip where that cannot go back along the line; two
+ * bodies that it is in move aside of each other by a tenth of its radius; or a budget ends the search for what bodies
+ * that move meet. Then it counts as inside until it has been outside. A hole ends with its body, which a teleport of the
+ * body ends too, and with its tool or that tool's size (dpt_tool_set_segments). dpt_world_reset closes all holes.
+ *
+ * A wall ruptures in a step whose budget is enough to find all walls behind it (insertion.md has what that takes).
+ * Until then it holds, with DPT_FORCE_FLAG_BEHIND.
  *
  * Threads: as for the world.
  */
@@ -83,9 +88,10 @@ DPT_API dpt_result dpt_tool_get_channels(const dpt_world *world, dpt_tool tool, 
  * Put a piercing tool in, where its device is: as if it had been pushed there along its axis, through all walls of
  * bodies that can be pierced. For scenes that begin with a needle in. To be called between steps, where bodies rest.
  *
- * DPT_E_ARGUMENT: its rear end is inside of a body or behind an open sheet, it touches one that cannot be pierced, it
- * goes into none, or through more walls than a channel has room for (16). DPT_E_FULL: no room for its channels, of
- * which a tool has 6 at most. DPT_E_UNSUPPORTED: the tool does not pierce. After the first two the tool is as after
+ * DPT_E_ARGUMENT: its rear end is inside of a body or behind an open sheet, or would meet such a body on its straight
+ * way out; it touches one that cannot be pierced, it goes into none, or through more walls than a channel has room for
+ * (16). DPT_E_FULL: no room for its channels, of which a tool has 6 at most. DPT_E_UNSUPPORTED: the tool does not
+ * pierce, or has no valid pose. After the first two the tool is as after
  * dpt_tool_teleport to where its device is; it is so before it is put in, too.
  */
 DPT_API dpt_result dpt_tool_insert(dpt_world *world, dpt_tool tool);

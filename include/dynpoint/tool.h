@@ -92,7 +92,8 @@ typedef struct dpt_tool_settings {
     /*
      * DPT_PIERCING_...: the end of its segment with which the tool pierces bodies that can be (insertion.h). For rigid
      * tools of one segment of a length and radius above 0, without tips and with DPT_LAW_PROXY, in worlds with room for
-     * channels; else DPT_E_UNSUPPORTED. A change takes it out of its channels, as a teleport does; DPT_PIERCING_NONE
+     * channels; else DPT_E_UNSUPPORTED. A change takes it out of its channels, as a teleport does.
+     * dpt_tool_set_segments makes it DPT_PIERCING_NONE and closes its holes. DPT_PIERCING_NONE
      */
     uint32_t piercing;
     uint32_t reserved; /* 0 */
@@ -222,7 +223,10 @@ enum {
     DPT_FORCE_FLAG_CROWDED = 256,
     /* A wall has ruptured before the tip, in this step or just before: the force drops (insertion.h). */
     DPT_FORCE_FLAG_RUPTURE = 512,
-    /* The tool is in a channel: friction along its shaft and cutting at its tip are part of the wrench. */
+    /*
+     * The tool is in a channel, or has come out of its last one in this step: friction along its shaft and cutting at its
+     * tip are part of the wrench.
+     */
     DPT_FORCE_FLAG_INSERTED = 1024,
     /* A wall holds that would have ruptured, as the world or the tool has no room for another channel. */
     DPT_FORCE_FLAG_CHANNELS_FULL = 2048

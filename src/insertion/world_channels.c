@@ -60,8 +60,9 @@ void dpti_channel_open(struct dpt_world *world, struct channel *channel, const s
 void dpti_insertion_add(struct dpt_world *world, const struct tool *tool, const struct channel *channel, double place)
 {
     struct insertion *insertion = insertion_of(world, tool);
-    insertion->in[insertion->count++] =
-        (struct inserted){ .channel = (uint32_t)(channel - world->channels), .anchor = place, .place = place };
+    insertion->in[insertion->count++] = (struct inserted){
+        .channel = (uint32_t)(channel - world->channels), .anchor = place, .place = place, .last = place
+    };
 }
 
 void dpti_insertion_drop(struct insertion *insertion, uint32_t number)

@@ -13,6 +13,8 @@ struct inserted {
     uint32_t reserved;
     double anchor;   /* of its shaft there, as in struct shaft */
     double place;    /* of its tip there, m */
+    double last;     /* m: likewise at the end of the last tick, before bodies moved */
+    double slid;     /* m: so far the motion of this body against the host's has brought the tip deeper in this tick */
     double friction; /* N, in the last tick: along the shaft, against going in */
     double tip;      /* N: likewise what it takes at the tip, to cut or before a wall */
 };
@@ -23,6 +25,7 @@ struct insertion {
     uint32_t is_dropping;        /* a wall has ruptured, and the tip has not come to rest since */
     double energy;               /* J: that the bristles store */
     double push;                 /* N: of the tip on what stops it, beside cutting */
+    double others_work;          /* J: of bodies other than the host, by their motion against it, in this tick */
     uint32_t stopped_by;         /* the body that does and that it is not in, by its id; 0: none */
     uint32_t stopped_at;         /* place of its triangle */
     struct displacement carried; /* by the host's motion, in the last tick */

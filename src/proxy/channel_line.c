@@ -59,29 +59,74 @@ double dpti_stiffness_on(const struct tool *tool, const struct body *body)
                                  : tool->stiffness;
 }
 
-/* m: the distance of an axis from one body, at most `limit`. */
-static double distance_to(struct dpt_world *world, const struct body *body, vec3 a, vec3 b, double limit)
+/* The nearest point of one body to an axis, if any is within `limit` m. Returns 0 where a budget ended the search. */
+static int search_body(struct dpt_world *world, const struct body *body, vec3 a, vec3 b, double limit,
+                       struct pair_search *nearest)
 {
-    struct pair_search nearest = { .pair = { .distance2 = limit * limit } };
-    pair_search_begin(&nearest, DPT_NONE);
+    *nearest = (struct pair_search){ .pair = { .distance2 = limit * limit } };
+    pair_search_begin(nearest, DPT_NONE);
     const vec3 local = frame_to_local(&body->frame, a);
-    if (!dpti_bvh_search(&body->surface, &world->kernel, local, sub(frame_to_local(&body->frame, b), local),
-                         &world->work, &nearest))
-        return -HUGE_VAL;
-    return sqrt(nearest.pair.distance2);
+    return dpti_bvh_search(&body->surface, &world->kernel, local, sub(frame_to_local(&body->frame, b), local),
+                           &world->work, nearest);
 }
 
-double dpti_gap_beside(struct dpt_world *world, const struct tool *tool, const struct frame *frame, double limit)
+struct beside dpti_beside(struct dpt_world *world, const struct tool *tool, const struct frame *frame, double limit)
 {
     const struct segment *segment = &world->segments[tool->first_segment];
     const vec3 a = frame_to_world(frame, segment->a), b = frame_to_world(frame, segment->b);
     const struct box box = box_of_axis(a, b);
-    double least = limit + segment->radius;
+    struct beside beside = { .gap = limit, .triangle = DPT_NONE };
     for (uint32_t slot = 0; slot < world->body_slot_end; slot++) {
         const struct body *body = &world->bodies[slot];
-        if (body_is_there(body) && box_distance(&box, &world->boxes[slot]) <= least &&
-            !dpti_is_inserted_in(world, tool, body->id))
-            least = min_of(least, distance_to(world, body, a, b, least));
+        const double least = beside.gap + segment->radius;
+        struct pair_search nearest;
+        if (!body_is_there(body) || !(box_distance(&box, &world->boxes[slot]) <= least) ||
+            dpti_is_inserted_in(world, tool, body->id))
+            continue;
+        if (!search_body(world, body, a, b, least, &nearest))
+            return (struct beside){ .gap = -HUGE_VAL, .triangle = DPT_NONE };
+        const double gap = sqrt(nearest.pair.distance2) - segment->radius;
+        if (nearest.triangle == DPT_NONE || !(gap < beside.gap))
+            continue;
+        beside = (struct beside){ .gap = gap, .body_id = body->id, .triangle = nearest.triangle };
     }
-    return least - segment->radius;
+    return beside;
+}
+
+int dpti_is_clear_of(struct dpt_world *world, const struct body *body, vec3 a, vec3 b, double radius)
+{
+    struct pair_search nearest;
+    return search_body(world, body, a, b, radius, &nearest) && nearest.triangle == DPT_NONE;
+}
+
+/* As a share of the tool's radius: a tool is dented no more than tissue may dent it (docs/algorithms/tissue.md). */
+#define ASIDE 0.1
+
+int dpti_is_on_line(const struct proxy_tick *tick, const struct channel_line *host, const struct channel_line *line)
+{
+    const double radius = tick->world->segments[tick->tool->first_segment].radius;
+    const vec3 at_mouth = cross(sub(line->mouth, host->mouth), host->axis);
+    const double leaning = length(cross(line->axis, host->axis)) * dpti_shaft_length(tick->world, tick->tool);
+    return dot(line->axis, host->axis) > 0.0 && length(at_mouth) + leaning <= ASIDE * radius + tick->clearance;
+}
+
+double dpti_channel_offset(const struct channel_line *host, const struct channel_line *line)
+{
+    return dot(sub(host->mouth, line->mouth), line->axis);
+}
+
+/* As a multiple of the clearance: so near before its mouth the tip is at a hole. */
+#define AT_MOUTH 4.0
+
+int dpti_is_at_own_hole(const struct proxy_tick *tick, const struct channel *channel)
+{
+    const struct dpt_world *world = tick->world;
+    const struct insertion *insertion = insertion_of(world, tick->tool);
+    if (!insertion->count || !channel->body_id || world_find_tool(world, channel->tool_id) != tick->tool ||
+        dpti_is_inserted_in(world, tick->tool, channel->body_id))
+        return 0;
+    const struct channel_line host = dpti_channel_line(world, &world->channels[insertion->in[0].channel]);
+    const struct channel_line line = dpti_channel_line(world, channel);
+    return dpti_is_on_line(tick, &host, &line) &&
+           fabs(insertion->in[0].place + dpti_channel_offset(&host, &line)) <= AT_MOUTH * tick->clearance;
 }

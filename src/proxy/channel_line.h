@@ -4,7 +4,7 @@
 #define DPT_CHANNEL_LINE_H
 
 #include "insertion/world_channels.h"
-#include "proxy/proxy_pose.h"
+#include "proxy/proxy_tick.h"
 
 /* A channel's line in the world. */
 struct channel_line {
@@ -35,10 +35,32 @@ double dpti_device_place(const struct dpt_world *world, const struct tool *tool,
 /* N/m: a tool's spring, in series with the stiffness of a body's surface. */
 double dpti_stiffness_on(const struct tool *tool, const struct body *body);
 
+/* What is nearest beside a tool. */
+struct beside {
+    double gap;        /* m; -HUGE_VAL where a budget ended the search */
+    uint32_t body_id;  /* 0: none is within the limit */
+    uint32_t triangle; /* its place */
+};
+
+/* Between the tool, its frame at `frame`, and all bodies in whose channels it is not. The gap is at most `limit`. */
+struct beside dpti_beside(struct dpt_world *world, const struct tool *tool, const struct frame *frame, double limit);
+
+/* Whether no point of a body is within `radius` of an axis from a to b, in the world. 0 where a budget ended the search. */
+int dpti_is_clear_of(struct dpt_world *world, const struct body *body, vec3 a, vec3 b, double radius);
+
 /*
- * m: the gap between the tool, its frame at `frame`, and all bodies in whose channels it is not; at most `limit`, and
- * -HUGE_VAL where a budget ended the search.
+ * Whether a channel's line is one with the host's as far as the tool is long, but for what its tissue may be dented, in
+ * which bodies that move against each other may have left it.
  */
-double dpti_gap_beside(struct dpt_world *world, const struct tool *tool, const struct frame *frame, double limit);
+int dpti_is_on_line(const struct proxy_tick *tick, const struct channel_line *host, const struct channel_line *line);
+
+/*
+ * What is added to a place to be the place in another channel, of which the line is one with the host's but for
+ * rounding.
+ */
+double dpti_channel_offset(const struct channel_line *host, const struct channel_line *line);
+
+/* Whether a tool that is in channels has its tip at the mouth of another hole of its own on their line. */
+int dpti_is_at_own_hole(const struct proxy_tick *tick, const struct channel *channel);
 
 #endif

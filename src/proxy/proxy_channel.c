@@ -14,12 +14,6 @@ enum { SHORTEN_LITTLE = 4, SHORTEN_MAX = 12 };
 #define SHORTER_LITTLE 0.9
 #define SHORTER        0.7
 
-/*
- * As a share of the tool's radius: so far aside of the host's line the lines of its other channels may move. They dent
- * the tool no more than tissue may (docs/algorithms/tissue.md).
- */
-#define ASIDE 0.1
-
 /* m: places that are nearer are the same. */
 #define SAME_PLACE 1e-12
 
@@ -49,66 +43,87 @@ static int is_undoubted(struct proxy_tick *tick)
     if (proxy->state != PROXY_DOUBTED)
         return 1;
     /* Bodies have moved while it was not stepped: nothing of their way is known. */
-    if (!(proxy->gap > -HUGE_VAL) || !(dpti_gap_beside(tick->world, tick->tool, &tick->at.frame, tick->clearance) >= tick->min_gap))
+    if (!(proxy->gap > -HUGE_VAL) ||
+        !(dpti_beside(tick->world, tick->tool, &tick->at.frame, tick->clearance).gap >= tick->min_gap))
         return 0;
     proxy->state = PROXY_OUTSIDE;
     proxy->has_home = 0;
     return 1;
 }
 
-/* Go with the host, past all other bodies and their motion. */
+/*
+ * Go with the host, past all other bodies and their motion. If one comes to the tip, the tip goes back before it along its
+ * line, to the mouth at most.
+ */
 static int carry_with_host(struct proxy_tick *tick)
 {
     const struct dpt_world *world = tick->world;
     struct insertion *insertion = insertion_of(world, tick->tool);
     const struct body *host = body_in(world, insertion, 0);
+    const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
+    struct quaternion turn = tick->at.turn;
     struct proxy_pose to = tick->at;
-    double free_until;
+    double place = insertion->in[0].place;
     insertion->carried = (struct displacement){ { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0 }, 0.0 };
     if (!tick->is_before)
         return 1;
     if (body_has_moved(world, host)) {
-        const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
         const struct quaternion turned =
             quaternion_product(quaternion_unit(quaternion_of(host->pose.orientation)),
                                quaternion_inverse(quaternion_unit(quaternion_of(host->previous_pose.orientation))));
-        const struct quaternion turn =
-            dpti_turn_along(world, tick->tool, &line, quaternion_unit(quaternion_product(turned, tick->at.turn)));
-        to = dpti_pose_on_line(world, tick->tool, &line, insertion->in[0].place, turn);
+        turn = dpti_turn_along(world, tick->tool, &line, quaternion_unit(quaternion_product(turned, turn)));
+        to = dpti_pose_on_line(world, tick->tool, &line, place, turn);
         insertion->carried = dpti_proxy_displacement(tick->proxy, &tick->at, &to);
+        /* A device without torque turns with the tool about the origin: there it is felt. */
+        if (tick->tool->lock_rotation)
+            insertion->carried.shift = sub(to.frame.origin, tick->at.frame.origin);
     }
-    if (!dpti_proxy_sweep(tick, &to, &free_until))
+    int status = dpti_proxy_sweep(tick, &to).status;
+    if (status == SWEEP_HIT) {
+        /* The host and another body have moved by so much towards each other at most. */
+        const double back = 2.0 * world_body_motion(world) + tick->clearance;
+        place = max_of(place - back, min_of(place, 0.0));
+        to = dpti_pose_on_line(world, tick->tool, &line, place, turn);
+        status = dpti_proxy_sweep(tick, &to).status;
+    }
+    if (status != SWEEP_FREE)
         return 0;
+    insertion->in[0].place = place;
     tick->at = to;
     tick->is_before = 0;
     return 1;
 }
 
-/*
- * What is added to a place to be the place in another channel, of which the line is one with the host's but for
- * rounding.
- */
-static double offset_of(const struct channel_line *host, const struct channel_line *line)
-{
-    return dot(sub(host->mouth, line->mouth), line->axis);
-}
-
 /* Bodies that moved have moved the other channels along the line at most. */
-static int is_on_line(const struct proxy_tick *tick, const struct channel_line *host)
+static int follow_others(const struct proxy_tick *tick, const struct channel_line *host)
 {
     const struct dpt_world *world = tick->world;
     struct insertion *insertion = insertion_of(world, tick->tool);
-    const double radius = world->segments[tick->tool->first_segment].radius;
-    const double most = ASIDE * radius + tick->clearance;
+    const struct inserted *first = &insertion->in[0];
     for (uint32_t i = 1; i < insertion->count; i++) {
+        struct inserted *in = &insertion->in[i];
         const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, i));
-        const vec3 at_mouth = cross(sub(line.mouth, host->mouth), host->axis);
-        const double leaning = length(cross(line.axis, host->axis)) * dpti_shaft_length(world, tick->tool);
-        if (!(length(at_mouth) + leaning <= most))
+        if (!dpti_is_on_line(tick, host, &line))
             return 0;
-        insertion->in[i].place = insertion->in[0].place + offset_of(host, &line);
+        in->place = first->place + dpti_channel_offset(host, &line);
+        in->slid = in->place - in->last - (first->place - first->last);
     }
     return 1;
+}
+
+/* At another hole of its own on the line the tip meets no wall: it is in that, too. */
+static void enter_holes(const struct proxy_tick *tick, const struct channel_line *host)
+{
+    struct dpt_world *world = tick->world;
+    struct insertion *insertion = insertion_of(world, tick->tool);
+    for (uint32_t i = 0; i < world->def.max_channels && insertion->count < INSERTION_CHANNELS_MAX; i++) {
+        const struct channel *channel = &world->channels[i];
+        if (!dpti_is_at_own_hole(tick, channel))
+            continue;
+        const struct channel_line line = dpti_channel_line(world, channel);
+        dpti_insertion_add(world, tick->tool, channel, insertion->in[0].place + dpti_channel_offset(host, &line));
+        dpti_proxy_forget_triangles(tick->proxy, channel->body_id);
+    }
 }
 
 static struct shaft shaft_of(const struct body *body, const struct channel *channel, const struct inserted *in)
@@ -119,7 +134,7 @@ static struct shaft shaft_of(const struct body *body, const struct channel *chan
                            .stiffness = law->shaft_stiffness,
                            .inside = dpti_channel_inside(channel, in->anchor),
                            .anchor = in->anchor,
-                           .last = in->place };
+                           .last = in->last };
     if (!(shaft.stiffness > 0.0))
         shaft.stiffness = max_of(law->shaft_friction, 1.0) / SHAFT_STRETCH;
     return shaft;
@@ -140,7 +155,7 @@ static struct balance balance_of(const struct proxy_tick *tick, const struct ins
         const struct body *body = body_in(world, insertion, i);
         const struct channel_line line = dpti_channel_line(world, channel);
         balance.parts[i] = (struct balance_part){ .shaft = shaft_of(body, channel, &insertion->in[i]),
-                                                  .offset = i ? offset_of(&host, &line) : 0.0,
+                                                  .offset = i ? dpti_channel_offset(&host, &line) : 0.0,
                                                   .uncut = dpti_channel_uncut(channel),
                                                   .cutting = cutting_force(&body->pierce, channel->radius) };
     }
@@ -163,41 +178,55 @@ static double stop_of(const struct proxy_tick *tick, const struct insertion *ins
     return least;
 }
 
-/* The body that was met last. */
-static void note_stop(const struct proxy_tick *tick, struct insertion *insertion)
+/*
+ * Whether the tool has its gap at a pose on its way, or that which it had: bodies that moved may have left it less.
+ * *beside: what is nearest there.
+ */
+static int has_room(struct proxy_tick *tick, const struct proxy_pose *pose, struct beside *beside)
 {
-    const struct proxy *proxy = tick->proxy;
-    uint32_t last = 0;
-    for (uint32_t i = 1; i < PROXY_MEMORY; i++)
-        if (proxy->used[i] > proxy->used[last])
-            last = i;
-    insertion->stopped_by = proxy->memory[last].body_id;
-    insertion->stopped_at = proxy->memory[last].triangle;
+    *beside = dpti_beside(tick->world, tick->tool, &pose->frame, tick->clearance);
+    if (beside->gap >= tick->min_gap)
+        return 1;
+    const double had = dpti_beside(tick->world, tick->tool, &tick->at.frame, tick->clearance).gap;
+    return had > 0.0 && beside->gap >= had;
 }
 
-/* Go along the line towards a place, past all bodies in whose channels the tool is not. Returns where it came. */
+/*
+ * Go along the line towards a place, past all bodies in whose channels the tool is not. Returns where it came, and notes
+ * which body stopped it. Where a budget did, it waits.
+ */
 static double go_along(struct proxy_tick *tick, const struct channel_line *line, double from, double to)
 {
     struct insertion *insertion = insertion_of(tick->world, tick->tool);
     const struct quaternion turn = tick->at.turn;
     const struct proxy_pose goal = dpti_pose_on_line(tick->world, tick->tool, line, to, turn);
-    double share;
     if (to == from)
         return from;
-    const int is_free = dpti_proxy_sweep(tick, &goal, &share);
-    if (!is_free)
-        note_stop(tick, insertion);
+    const struct tool_sweep sweep = dpti_proxy_sweep(tick, &goal);
+    struct beside beside = { .gap = HUGE_VAL };
+    double share = sweep.time, place = from;
+    tick->is_waiting = sweep.status == SWEEP_UNFINISHED;
     for (int k = 0; k < SHORTEN_MAX && share > 0.0; k++) {
-        if (k > 0 || !is_free)
+        if (k > 0 || sweep.status == SWEEP_HIT)
             share *= k < SHORTEN_LITTLE ? SHORTER_LITTLE : SHORTER;
-        const double place = from + share * (to - from);
-        const struct proxy_pose at = dpti_pose_on_line(tick->world, tick->tool, line, place, turn);
-        if (!(dpti_gap_beside(tick->world, tick->tool, &at.frame, tick->clearance) >= tick->min_gap))
-            continue;
-        tick->at = at;
-        return place;
+        const struct proxy_pose at = dpti_pose_on_line(tick->world, tick->tool, line, from + share * (to - from), turn);
+        struct beside there;
+        if (has_room(tick, &at, &there)) {
+            tick->at = at;
+            place = from + share * (to - from);
+            break;
+        }
+        beside = there;
+        tick->is_waiting |= !(there.gap > -HUGE_VAL);
     }
-    return from;
+    /* The shortest way is swept with all work of the tick. */
+    tick->proxy->trust = tick->is_waiting && place == from ? tick->clearance : HUGE_VAL;
+    tick->tool->has_changed |= (uint32_t)tick->is_waiting;
+    if (tick->is_waiting)
+        return place;
+    insertion->stopped_by = sweep.status == SWEEP_HIT ? sweep.body_id : beside.body_id;
+    insertion->stopped_at = sweep.status == SWEEP_HIT ? sweep.triangle : beside.triangle;
+    return place;
 }
 
 /* The tip has come to a place: what friction and cutting took there. `cutting`: of all channels, N. */
@@ -215,7 +244,7 @@ static void note_forces(const struct dpt_world *world, struct insertion *inserti
         shaft_follow(&part->shaft, at);
         in->anchor = part->shaft.anchor;
         part->shaft.inside = dpti_channel_inside(channel_in(world, insertion, i), in->anchor);
-        in->place = at;
+        in->place = in->last = at;
         insertion->energy += shaft_energy(&part->shaft, at);
     }
 }
@@ -234,6 +263,7 @@ static void push_wall(struct proxy_tick *tick, struct insertion *insertion, uint
         return;
     channel->open_count++;
     insertion->is_dropping = 1;
+    insertion->push = 0.0; /* It opens no other wall. */
     tick->proxy->flags |= DPT_FORCE_FLAG_RUPTURE;
 }
 
@@ -245,6 +275,40 @@ static void leave_channels(struct proxy_tick *tick, struct insertion *insertion)
             dpti_insertion_drop(insertion, i);
     if (!insertion->count)
         dpti_patches_forget(tick->world, tick->tool);
+}
+
+/*
+ * J: of the other bodies on the tool, half of what their forces do now: once with those of the last tick, and once with
+ * those of this one. The host does the rest.
+ */
+static double half_of_others_work(const struct insertion *insertion)
+{
+    double sum = 0.0;
+    for (uint32_t i = 1; i < insertion->count; i++)
+        sum += 0.5 * insertion->in[i].slid * (insertion->in[i].friction + insertion->in[i].tip);
+    return sum;
+}
+
+/* m: how far along the line a body that moved has moved its point at the tip. */
+static double moved_along(const struct proxy_tick *tick, const struct body *body, uint32_t triangle,
+                          const struct channel_line *line)
+{
+    const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(tick->world, tick->tool));
+    return body_has_moved(tick->world, body) ? dot(dpti_body_carried(tick->world, body, triangle, tip), line->axis)
+                                             : 0.0;
+}
+
+/* J: half of what the push on the body that stops the tip does, by that body's motion against the host's. */
+static double half_of_stop_work(const struct proxy_tick *tick, const struct channel_line *line)
+{
+    const struct dpt_world *world = tick->world;
+    const struct insertion *insertion = insertion_of(world, tick->tool);
+    const struct body *body = insertion->stopped_by ? world_find_body(world, insertion->stopped_by) : NULL;
+    if (!body || !(world_body_motion(world) > 0.0))
+        return 0.0;
+    const double moved = moved_along(tick, body, insertion->stopped_at, line);
+    const struct channel *host = channel_in(world, insertion, 0);
+    return -0.5 * insertion->push * (moved - moved_along(tick, body_in(world, insertion, 0), host->triangle, line));
 }
 
 static void go_to_balance(struct proxy_tick *tick, const struct channel_line *line, double allowed, double dt)
@@ -264,20 +328,23 @@ static void go_to_balance(struct proxy_tick *tick, const struct channel_line *li
     const int is_limited = fabs(goal - to) > SAME_PLACE && fabs(place - to) <= SAME_PLACE;
     tick->proxy->lag = is_limited ? fabs(goal - to) : 0.0;
     tick->proxy->last_motion = fabs(place - from);
+    insertion->others_work += half_of_others_work(insertion);
     note_forces(tick->world, insertion, &balance, place, cutting);
+    insertion->others_work += half_of_others_work(insertion);
     for (uint32_t i = 0; i < insertion->count; i++) {
         struct channel *channel = channel_in(tick->world, insertion, i);
         channel->deepest = max_of(channel->deepest, insertion->in[i].place);
     }
     if (insertion->is_dropping)
         tick->proxy->flags |= DPT_FORCE_FLAG_RUPTURE;
-    insertion->is_dropping = insertion->is_dropping && is_limited;
+    insertion->is_dropping = insertion->is_dropping && (is_limited || tick->is_waiting);
     insertion->push = 0.0;
-    if (wanted > place && !is_limited)
+    if (wanted > place && !is_limited && !tick->is_waiting)
         insertion->push =
             max_of(0.0, balance.stiffness * (balance.device - place) - dpti_balance_friction(&balance, place));
-    if (place >= stop - SAME_PLACE && !insertion->stopped_by)
+    if (place >= stop - SAME_PLACE && !insertion->stopped_by && !tick->is_waiting)
         push_wall(tick, insertion, stopping);
+    insertion->others_work += half_of_stop_work(tick, line);
     leave_channels(tick, insertion);
 }
 
@@ -286,16 +353,18 @@ void dpti_proxy_follow_channel(struct proxy_tick *tick, double allowed, double d
     const struct dpt_world *world = tick->world;
     struct insertion *insertion = insertion_of(world, tick->tool);
     tick->is_lost = 1;
-    insertion->stopped_by = 0;
     if (!is_undoubted(tick) || !carry_with_host(tick)) {
         lose_channels(tick);
         return;
     }
     const struct channel_line line = dpti_channel_line(world, channel_in(world, insertion, 0));
-    if (!is_on_line(tick, &line)) {
+    if (!follow_others(tick, &line)) {
         lose_channels(tick);
         return;
     }
+    insertion->others_work = half_of_stop_work(tick, &line);
+    insertion->stopped_by = 0;
+    enter_holes(tick, &line);
     tick->device = dpti_proxy_device_in_channel(tick->tool, tick->proxy, tick->at.turn);
     go_to_balance(tick, &line, allowed, dt);
     dpti_proxy_find_nearest(tick);
@@ -427,7 +496,8 @@ void dpti_proxy_feel_channel(struct proxy_tick *tick)
     proxy->yielded_energy = 0.5 * host->stiffness * yielded * yielded + insertion->energy;
     const struct displacement felt = displacement_sum(&pulled, -1.0, &proxy->yielded);
     const struct displacement mean = displacement_sum(&felt, 1.0, &proxy->felt);
-    proxy->body_work = 0.5 * k * displacement_dot(&proxy->coupling, &mean, &insertion->carried);
+    proxy->body_work =
+        0.5 * k * displacement_dot(&proxy->coupling, &mean, &insertion->carried) + insertion->others_work;
     if (k > 0.0 && proxy->state == PROXY_OUTSIDE)
         note_loads(tick, scaled(felt.shift, -k));
 }

@@ -35,12 +35,6 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick)
     }
 }
 
-struct tool_sweep {
-    int status;   /* SWEEP_... */
-    double time;  /* of the first touch */
-    int is_alone; /* no body was near enough to be swept */
-};
-
 /*
  * The directions from the tool to a body at the contacts that hold it there. While tick->is_before there are none, as
  * the body was elsewhere.
@@ -70,8 +64,13 @@ static int is_in_reach(const struct proxy_tick *tick, uint32_t slot, const struc
 static void note_sweep(struct proxy_tick *tick, uint32_t number, const struct body *body, int status, double time,
                        uint32_t triangle, struct tool_sweep *sweep)
 {
-    if (status == SWEEP_HIT)
+    if (status == SWEEP_HIT) {
         dpti_proxy_remember(tick->proxy, number, body->id, triangle);
+        if (!sweep->body_id || time < sweep->time) {
+            sweep->body_id = body->id;
+            sweep->triangle = triangle;
+        }
+    }
     if (status != SWEEP_FREE)
         sweep->time = min_of(sweep->time, time);
     if (status != SWEEP_FREE && sweep->status != SWEEP_UNFINISHED)
@@ -189,7 +188,7 @@ static void sweep_part(struct proxy_tick *tick, uint32_t number, const struct pr
 static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_pose *to, uint32_t carrier)
 {
     struct dpt_world *world = tick->world;
-    struct tool_sweep sweep = { SWEEP_FREE, 1.0, 1 };
+    struct tool_sweep sweep = { .status = SWEEP_FREE, .time = 1.0, .is_alone = 1 };
     /* The shortest motion has all work of the tick: no shorter one would be tried instead. */
     const int is_limited = !tick->is_before && tick->proxy->trust > tick->clearance;
     const struct work before = is_limited ? world_begin_sweep(world) : world->work;
@@ -199,11 +198,9 @@ static struct tool_sweep sweep_tool(struct proxy_tick *tick, const struct proxy_
     return sweep;
 }
 
-int dpti_proxy_sweep(struct proxy_tick *tick, const struct proxy_pose *to, double *free_until)
+struct tool_sweep dpti_proxy_sweep(struct proxy_tick *tick, const struct proxy_pose *to)
 {
-    const struct tool_sweep sweep = sweep_tool(tick, to, DPT_NONE);
-    *free_until = sweep.time;
-    return sweep.status == SWEEP_FREE;
+    return sweep_tool(tick, to, DPT_NONE);
 }
 
 /*

@@ -19,11 +19,20 @@ void dpti_proxy_find_nearest(struct proxy_tick *tick);
  */
 double dpti_proxy_move(struct proxy_tick *tick, const struct proxy_pose *to, double *met);
 
+/* What a tool met on its way. */
+struct tool_sweep {
+    int status;        /* SWEEP_...; SWEEP_UNFINISHED where a budget ended the sweep of any body */
+    double time;       /* the share of the way that is free */
+    int is_alone;      /* no body was near enough to be swept */
+    uint32_t body_id;  /* that it touches first; 0: none is known */
+    uint32_t triangle; /* place of the one it touches there */
+};
+
 /*
- * Sweep the tool on its way to a pose past all bodies in whose channels it is not, without moving it. Returns 1 if it meets
- * none. What it meets is remembered. *free_until: the share of the way that is free.
+ * Sweep the tool on its way to a pose past all bodies in whose channels it is not, without moving it. What it meets is
+ * remembered.
  */
-int dpti_proxy_sweep(struct proxy_tick *tick, const struct proxy_pose *to, double *free_until);
+struct tool_sweep dpti_proxy_sweep(struct proxy_tick *tick, const struct proxy_pose *to);
 
 /*
  * While tick->is_before: move with a body that moved, as if fixed to it, if no other body is in the way. It needs no

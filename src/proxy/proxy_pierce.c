@@ -36,6 +36,16 @@ static int is_touching(struct dpt_world *world, const struct body *body, vec3 ti
            nearest.triangle != DPT_NONE;
 }
 
+/* Whether a tool that is in channels is at a hole that it has made in a body: it goes in in the next tick. */
+static int is_at_hole_of(const struct proxy_tick *tick, const struct body *body)
+{
+    const struct dpt_world *world = tick->world;
+    for (uint32_t i = 0; i < world->def.max_channels; i++)
+        if (world->channels[i].body_id == body->id && dpti_is_at_own_hole(tick, &world->channels[i]))
+            return 1;
+    return 0;
+}
+
 /* Whether the tip may touch a body that can be pierced, and that it is not in. */
 static int may_pierce(const struct proxy_tick *tick, uint32_t slot, vec3 tip)
 {
@@ -45,7 +55,7 @@ static int may_pierce(const struct proxy_tick *tick, uint32_t slot, vec3 tip)
     const double radius = world->segments[tick->tool->first_segment].radius;
     return body_is_there(body) && pierce_law_is_any(&body->pierce) &&
            box_distance(&box, &world->boxes[slot]) <= radius + TOUCHING * tick->clearance &&
-           !dpti_is_inserted_in(world, tick->tool, body->id);
+           !dpti_is_inserted_in(world, tick->tool, body->id) && !is_at_hole_of(tick, body);
 }
 
 /* Lay a channel from where a point in the world is, along the tool's axis. Returns 0 if a budget ended the search. */
@@ -58,6 +68,15 @@ static int lay(struct dpt_world *world, const struct tool *tool, const struct fr
     channel->radius = world->segments[tool->first_segment].radius;
     channel->length = length;
     return dpti_channel_lay(channel, &body->surface, &world->kernel, &world->work);
+}
+
+/* If a budget ended a search for walls, it begins again in the next tick. */
+static void wait_for_work(struct proxy_tick *tick)
+{
+    if (!work_is_spent(&tick->world->work))
+        return;
+    tick->proxy->flags |= DPT_FORCE_FLAG_BEHIND;
+    tick->tool->has_changed = 1;
 }
 
 /* The tip pushes a body: if it touches it and its wall ruptures, a channel begins there. Returns 1 then. */
@@ -74,8 +93,11 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
     struct channel found, *channel = dpti_channel_free(world);
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
     if (!is_touching(world, body, tip, radius + TOUCHING * tick->clearance) ||
-        !lay(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), &found) || !found.wall_count ||
-        !(found.walls[0].from > 0.0 && found.walls[0].from <= TOUCHING * tick->clearance))
+        !lay(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), &found)) {
+        wait_for_work(tick);
+        return 0;
+    }
+    if (!found.wall_count || !(found.walls[0].from > 0.0 && found.walls[0].from <= TOUCHING * tick->clearance))
         return 0;
     if (!channel || insertion->count == INSERTION_CHANNELS_MAX) {
         tick->proxy->flags |= DPT_FORCE_FLAG_CHANNELS_FULL;
@@ -136,8 +158,8 @@ static int lay_through(struct dpt_world *world, const struct tool *tool, const s
                        const struct body *body, struct put_channel *put, dpt_result *result)
 {
     const double length = dpti_shaft_length(world, tool), clearance = dpti_proxy_clearance(world);
-    const vec3 rear = along(frame_to_world(frame, dpti_tip_point(world, tool)), -length,
-                            frame_turn(frame, dpti_tip_direction(world, tool)));
+    const vec3 direction = frame_turn(frame, dpti_tip_direction(world, tool));
+    const vec3 rear = along(frame_to_world(frame, dpti_tip_point(world, tool)), -length, direction);
     struct channel *channel = &put->channel;
     lay(world, tool, frame, body, rear, 2.0 * length, channel);
     while (channel->open_count < channel->wall_count && channel->walls[channel->open_count].from <= length)
@@ -146,7 +168,9 @@ static int lay_through(struct dpt_world *world, const struct tool *tool, const s
         return 0;
     put->body = body;
     put->from = channel->walls[0].from - clearance;
-    if (!(put->from > 0.0) || channel->is_from_inside || channel->limit < length)
+    /* The way out is free: the rear end goes back by as much as the tip is in. */
+    if (!(put->from > 0.0) || channel->is_from_inside || channel->limit < length ||
+        !dpti_is_clear_of(world, body, rear, along(rear, put->from - length, direction), channel->radius + clearance))
         *result = DPT_E_ARGUMENT;
     channel->length = length;
     move_mouth(channel, put->from);
@@ -217,7 +241,7 @@ dpt_result dpti_proxy_insert(struct dpt_world *world, struct tool *tool)
         result = DPT_E_FULL;
     if (result == DPT_OK)
         put_in(world, tool, puts, count);
-    if (result == DPT_OK && !(dpti_gap_beside(world, tool, &frame, 1.0) >= dpti_proxy_clearance(world))) {
+    if (result == DPT_OK && !(dpti_beside(world, tool, &frame, 1.0).gap >= dpti_proxy_clearance(world))) {
         take_out(world, tool);
         result = DPT_E_ARGUMENT;
     }

@@ -130,18 +130,27 @@ dpt_result dpt_tool_remove(dpt_world *world, dpt_tool tool)
         if (world->tools[t].slot.used && world->tools[t].first_segment >= end)
             world->tools[t].first_segment -= removed->segment_count;
     world->segment_count -= removed->segment_count;
+    /* Its channels are free again: a tool that rests before a wall for want of one looks again. */
+    world->has_changed |= world->channels != NULL;
     slot_release(&removed->slot, &world->freed_count[1]);
     world->tool_count--;
     return DPT_OK;
 }
 
-/* Mark a tool as free or rigid. The torque then has another origin, so a change ends all forces without a fade. */
+/*
+ * Mark a tool as free or rigid. The torque then has another origin, so a change ends all forces without a fade. A free one
+ * does not pierce, and its size changes: it fits no hole.
+ */
 static void set_free(struct dpt_world *world, struct tool *tool, uint32_t is_free)
 {
     for (uint32_t i = 0; i < tool->segment_count && tool->is_free != is_free; i++)
         dpti_force_forget(&world->segments[tool->first_segment + i]);
     if (tool->is_free != is_free)
         dpti_proxy_set_free(world, tool, is_free);
+    if (is_free && tool->piercing) {
+        dpti_channels_forget_tool(world, tool);
+        tool->piercing = DPT_PIERCING_NONE;
+    }
     tool->has_changed |= tool->is_free != is_free;
     tool->is_free = is_free;
 }

@@ -146,6 +146,7 @@ dpt_result dpt_world_reset(dpt_world *world)
     world->bodies_moved_tick = 0;
     world->body_motion_max = world->body_motion_before = 0.0;
     world->undone_segment = 0;
+    world->last_channel_id = 0;
     world->ticks = 0;
     return DPT_OK;
 }

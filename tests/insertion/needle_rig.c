@@ -25,10 +25,18 @@ static void aim(struct needle_rig *needle)
 
 int needle_open(struct needle_rig *needle, const dpt_body_settings *gel, uint32_t channels)
 {
+    return needle_open_within(needle, gel, channels, 0, rig_def(DPT_LAW_PROXY).sweep_budget);
+}
+
+int needle_open_within(struct needle_rig *needle, const dpt_body_settings *gel, uint32_t channels, uint32_t budget,
+                       uint32_t sweep_budget)
+{
     static const dpt_segment shaft = { { 0, 0, 0 }, { 0, 0, NEEDLE_LENGTH }, NEEDLE_RADIUS };
     dpt_tool_settings settings = { .size = sizeof settings };
     dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.max_channels = channels;
+    def.budget = budget;
+    def.sweep_budget = sweep_budget;
     *needle = (struct needle_rig){ .at = { 0.011, 0.007 }, .depth = -0.005 };
     if (!solid_from_shape(&needle->box, "box", 12) || !rig_open(&needle->rig, &def, needle->box.mesh, &shaft, 1))
         return 0;

@@ -27,6 +27,10 @@ dpt_body_settings needle_gel(void);
 
 /* With room for `channels`, and the box of that gel, at rest. 0 after a failed check. */
 int needle_open(struct needle_rig *needle, const dpt_body_settings *gel, uint32_t channels);
+/* The same with budgets of work a step, 0: without one; dpt_world_def. */
+int needle_open_within(struct needle_rig *needle, const dpt_body_settings *gel, uint32_t channels, uint32_t budget,
+                       uint32_t sweep_budget);
+
 void needle_close(struct needle_rig *needle);
 
 /* A step, the device's tip at `depth`. */

@@ -5,6 +5,8 @@
  */
 #include "insertion/needle_rig.h"
 
+enum { PLATES_MAX = 10 };
+
 /* A needle 0.03 m deep in the box. */
 static void open_inside(struct needle_rig *needle, uint32_t channels)
 {
@@ -337,35 +339,55 @@ static void what_stops_a_tip(void)
     }
 }
 
-/* A pile of ten plates of 2 mm, 2 mm apart, has 20 walls: the needle goes through the first 16, and no farther. */
-static void a_line_with_too_many_walls(void)
+/* Plates of 2 mm in one body, the first beneath NEEDLE_TOP and each next by `pitch` m beneath. The box is gone. */
+static void open_over_plates(struct needle_rig *needle, struct solid *pile, int plates, double pitch)
 {
     static const uint32_t faces[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                         2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
-    enum { PLATES = 10 };
-    double corners[24 * PLATES];
-    uint32_t triangles[36 * PLATES];
-    for (int plate = 0; plate < PLATES; plate++) {
+    double corners[24 * PLATES_MAX];
+    uint32_t triangles[36 * PLATES_MAX];
+    for (int plate = 0; plate < plates; plate++) {
         for (int i = 0; i < 24; i++) {
             const int k = i % 3, high = i / 3 >> k & 1;
-            corners[24 * plate + i] = k < 2 ? (high ? 0.05 : -0.05) : NEEDLE_TOP - 0.004 * plate - (high ? 0 : 0.002);
+            corners[24 * plate + i] = k < 2 ? (high ? 0.05 : -0.05) : NEEDLE_TOP - pitch * plate - (high ? 0 : 0.002);
         }
         for (int i = 0; i < 36; i++)
             triangles[36 * plate + i] = faces[i] + 8 * (uint32_t)plate;
     }
+    needle_open(needle, NULL, 1);
+    CHECK(solid_from_arrays(pile, "pile", corners, 8 * (uint32_t)plates, triangles, 12 * (uint32_t)plates), "pile");
+    dpt_body_remove(needle->rig.world, needle->rig.body);
+    needle->rig.body = rig_add_body(&needle->rig, pile->mesh, NULL);
+    rig_set_body(&needle->rig, needle_gel());
+    rig_place(&needle->rig);
+}
+
+/* A pile of ten plates of 2 mm, 2 mm apart, has 20 walls: the needle goes through the first 16, and no farther. */
+static void a_line_with_too_many_walls(void)
+{
     struct needle_rig needle;
     struct solid pile;
-    needle_open(&needle, NULL, 1);
-    CHECK(solid_from_arrays(&pile, "pile", corners, 8 * PLATES, triangles, 12 * PLATES), "pile");
-    dpt_body_remove(needle.rig.world, needle.rig.body);
-    needle.rig.body = rig_add_body(&needle.rig, pile.mesh, NULL);
-    rig_set_body(&needle.rig, needle_gel());
-    rig_place(&needle.rig);
+    open_over_plates(&needle, &pile, PLATES_MAX, 0.004);
     needle_go(&needle, 0.09, 0.02);
     const dpt_channel channel = needle_channel(&needle);
     CHECK(channel.ruptures == 16 && fabs(channel.inside - 0.016) < 1e-6, "%u walls, %g m inside", channel.ruptures,
           channel.inside);
     CHECK(fabs(needle_tip(&needle) + NEEDLE_RADIUS - 0.032) < 2e-6, "the tip is at %g", needle_tip(&needle));
+    needle_close(&needle);
+    solid_close(&pile);
+}
+
+/* Between two plates, its rear end beneath the upper one: it could only be drawn out through that. */
+static void a_needle_whose_way_out_is_closed(void)
+{
+    struct needle_rig needle;
+    struct solid pile;
+    open_over_plates(&needle, &pile, 2, 0.05);
+    dpt_pose between = needle.rig.device;
+    between.position[2] -= 0.115;
+    dpt_tool_set_pose(needle.rig.world, needle.rig.tool, &between);
+    CHECK(dpt_tool_insert(needle.rig.world, needle.rig.tool) == DPT_E_ARGUMENT, "it is put in");
+    CHECK(needle_channels(&needle, NULL, 0) == 0, "and yet it is in");
     needle_close(&needle);
     solid_close(&pile);
 }
@@ -405,24 +427,35 @@ static void a_needle_is_put_in(void)
 
 static void within_a_budget_it_gets_there(void)
 {
-    static const dpt_segment shaft = { { 0, 0, 0 }, { 0, 0, NEEDLE_LENGTH }, NEEDLE_RADIUS };
+    enum { BUDGET = 60 };
     struct needle_rig needle;
-    dpt_world_def def = rig_def(DPT_LAW_PROXY);
-    dpt_tool_settings settings = { .size = sizeof settings };
-    def.max_channels = 1;
-    def.budget = 60;
-    needle_open(&needle, NULL, 1);
-    rig_close(&needle.rig);
-    rig_open(&needle.rig, &def, needle.box.mesh, &shaft, 1);
-    rig_set_body(&needle.rig, needle_gel());
-    dpt_tool_get_settings(needle.rig.world, needle.rig.tool, &settings);
-    settings.piercing = DPT_PIERCING_B;
-    dpt_tool_set_settings(needle.rig.world, needle.rig.tool, &settings);
+    const dpt_body_settings gel = needle_gel();
+    needle_open_within(&needle, &gel, 1, BUDGET, 0);
     needle_step(&needle);
-    needle_go(&needle, 0.03, 0.02);
-    CHECK(needle.rig.step.work <= def.budget, "%u units", needle.rig.step.work);
+    while (needle.depth < 0.03) {
+        needle.depth += 2e-5;
+        needle_step(&needle);
+        CHECK(needle.rig.step.work <= BUDGET, "%u units", needle.rig.step.work);
+    }
     CHECK(fabs(needle_force(&needle) - (0.5 + 40 * needle_channel(&needle).inside)) < 0.02, "%g N",
           needle_force(&needle));
+    needle_close(&needle);
+}
+
+/* A free tool has no point, and one of another size fits no hole. */
+static void a_size_that_changes_ends_holes(void)
+{
+    struct needle_rig needle;
+    dpt_tool_settings settings = { .size = sizeof settings };
+    open_inside(&needle, 1);
+    dpt_segment thick = needle.rig.segments[0];
+    thick.radius *= 2;
+    CHECK(dpt_tool_set_segments(needle.rig.world, needle.rig.tool, &thick, 1) == DPT_OK, "segments");
+    CHECK(needle_channels(&needle, NULL, 0) == 0, "the hole is there");
+    CHECK(dpt_tool_get_settings(needle.rig.world, needle.rig.tool, &settings) == DPT_OK &&
+              settings.piercing == DPT_PIERCING_NONE,
+          "a free tool pierces");
+    CHECK(dpt_tool_set_settings(needle.rig.world, needle.rig.tool, &settings) == DPT_OK, "its settings are refused");
     needle_close(&needle);
 }
 
@@ -500,7 +533,9 @@ int main(void)
     TEST(ticks_without_a_pose);
     TEST(what_stops_a_tip);
     TEST(a_line_with_too_many_walls);
+    TEST(a_needle_whose_way_out_is_closed);
     TEST(a_needle_is_put_in);
+    TEST(a_size_that_changes_ends_holes);
     TEST(within_a_budget_it_gets_there);
     TEST(what_is_refused);
     return check_report();
