@@ -81,23 +81,30 @@ static void a_second_body_that_slides_along(void)
     struct needle_rig needle;
     dpt_body_settings smooth = needle_gel(), rough = needle_gel();
     smooth.shaft_friction = smooth.cutting_force = rough.cutting_force = 0;
+    rough.shaft_friction = 20;
     rough.shaft_viscosity = 1e4;
     const dpt_body behind = open_two(&needle, &smooth, &rough, BEHIND);
-    needle_go(&needle, 0.105, 0.02);
+    needle_go(&needle, 0.097, 0.02);
     for (int i = 0; i < 100; i++)
         rig_step(&needle.rig);
     CHECK(channel_of(&needle, behind, 2).flags & DPT_CHANNEL_FLAG_OCCUPIED, "it is not in both");
-    double stored = needle.rig.force.energy;
-    const double speed = 1e-3;
+    double stored = needle.rig.force.energy, work = 0;
+    double depth = 0;
     for (int i = 1; i <= 5000; i++) {
-        const dpt_pose pose = at_height(BEHIND - speed * needle.rig.dt * i);
+        const dpt_pose pose = at_height(BEHIND - 1e-6 * i);
+        depth = channel_of(&needle, behind, 2).depth;
         dpt_body_set_pose(needle.rig.world, behind, &pose);
         rig_step(&needle.rig);
         const double gained = needle.rig.force.energy - stored - needle.rig.force.body_work;
         CHECK(gained <= 1e-9 + CLEARANCE * fabs(needle_force(&needle)), "tick %d: %g J gained", i, gained);
         stored = needle.rig.force.energy;
+        work += needle.rig.force.body_work;
     }
+    CHECK(needle_force(&needle) < -0.2 && work > stored, "%g N, %g J of work, %g J stored", needle_force(&needle), work,
+          stored);
     const dpt_channel second = channel_of(&needle, behind, 2);
+    const double speed = (depth - second.depth) / needle.rig.dt;
+    CHECK(fabs(speed - 1e-3) < 1e-4, "it slips at %g m/s", speed);
     const double wanted = -(rough.shaft_friction + rough.shaft_viscosity * speed) * second.inside;
     CHECK(fabs(second.friction - wanted) < 0.02 * fabs(wanted), "%g N, not %g", second.friction, wanted);
     needle_close(&needle);
@@ -213,14 +220,14 @@ static void a_budget_that_finds_no_walls(void)
 {
     struct needle_rig needle;
     const dpt_body_settings gel = needle_gel();
-    needle_open_within(&needle, &gel, 1, 12, 0);
+    needle_open_within(&needle, &gel, 1, 4, 0);
     int flagged = 0;
     needle_go(&needle, 0.004, 0.02);
     for (int i = 0; i < 200; i++) {
         needle_step(&needle);
         flagged += (needle.rig.force.flags & DPT_FORCE_FLAG_BEHIND) != 0;
     }
-    CHECK(needle_channels(&needle, NULL, 0) == 1 || flagged == 200, "%d of 200 ticks have the flag", flagged);
+    CHECK(needle_channels(&needle, NULL, 0) == 0 && flagged == 200, "%d of 200 ticks have the flag", flagged);
     needle_close(&needle);
 }
 
