@@ -367,7 +367,7 @@ static double compliance_of(const struct dpt_springs *springs, uint32_t node, do
     for (uint32_t entry = net->first[slice]; entry < net->first[slice + 1]; entry++)
         stiffness += (double)springs->bound.stiffness[LANES * (size_t)entry + lane];
     return mass > 0.0 ? 1.0 / (mass * (1.0 + dt * (double)net->drag[node]) / (dt * dt) +
-                               (1.0 + springs->lead / dt) * springs->def.stiffness * stiffness)
+                               (1.0 + net->viscosity / dt) * springs->def.stiffness * stiffness)
                       : 0.0;
 }
 

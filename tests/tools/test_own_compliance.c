@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/vec3.h"
+#include "deform/spring_state.h"
 #include "lab/tissue.h"
 #include "lib/fixture.h"
 #include "measure/hum.h"
@@ -219,7 +220,7 @@ static void springs_tell_theirs(void)
     uint32_t corners[24], count = 0, middle = 0;
     const float *places;
     dpt_load load = { .force = { 1e-4, 0.0, 0.0 } };
-    float told[9], now[27];
+    float told[9], again[9], now[27];
     struct fixture sheet;
     dpt_springs_def def;
     dpt_springs *springs;
@@ -269,6 +270,11 @@ static void springs_tell_theirs(void)
         for (uint32_t i = 0; i < 9; i++)
             CHECK(i == middle || told[i] == 0.0f, "vertex %u is fixed: %g m/N", i, (double)told[i]);
     }
+    /* What they tell is of the net: a step with a tool, which lends them viscosity, changes nothing. */
+    CHECK(dpt_springs_get_compliances(springs, 0.01, 9, told) == DPT_OK, "nothing is told");
+    springs->lead *= 3.0;
+    CHECK(dpt_springs_get_compliances(springs, 0.01, 9, again) == DPT_OK && !memcmp(again, told, sizeof told),
+          "%g m/N, and %g after a step with a tool", (double)told[middle], (double)again[middle]);
     CHECK(dpt_springs_get_compliances(springs, 1e-3, 8, told) == DPT_E_ARGUMENT, "another count");
     CHECK(dpt_springs_get_compliances(springs, 2.0, 9, told) == DPT_E_ARGUMENT, "too long a step");
     CHECK(dpt_springs_get_compliances(springs, NAN, 9, told) == DPT_E_FINITE, "no number");
