@@ -92,7 +92,8 @@ int dpti_patch_hold(struct proxy_tick *tick, struct patch_view *view, uint32_t i
     if (view->is_ball)
         return hold_ball(tick, side, triangle, motion);
     /* A tip's pairs that are the nearest ones take the place of others, where there is no room. */
-    if (side->tip ? tick->triangle_count == HALF_SPACES_MAX : tick->space_count + PROXY_GATHERED_MAX > HALF_SPACES_MAX)
+    if (tick->triangle_count == HALF_SPACES_MAX ||
+        (!side->tip && tick->space_count + PROXY_GATHERED_MAX > HALF_SPACES_MAX))
         return 0;
     tick->triangles[tick->triangle_count++] =
         (struct proxy_triangle){ .segment = side->number, .body_id = side->body->id, .triangle = triangle->triangle };
@@ -271,8 +272,8 @@ static int is_known_clear(const struct proxy_tick *tick, const struct patch_view
 
 /*
  * Whether a plane that turns parts a line from a triangle all the time: from that across their nearest pair at the start
- * of the motion to a normal at its end. A height over it is a polynomial of the second degree in time, and these are what
- * remains of Bernstein's coefficients.
+ * of the motion, or at the end of one that was tried before, to a normal at its end. A height over it is a polynomial of
+ * the second degree in time, and these are what remains of Bernstein's coefficients.
  */
 static int stays_in_front_of_turn(const struct trial *trial, const struct patch_triangle *triangle, vec3 end)
 {

@@ -99,11 +99,17 @@ static int look(struct proxy_tick *tick, struct patch_view *view, double reach, 
     return 1;
 }
 
-/* The nearest pairs at tick->at, as searches leave them: what the view tells; where nothing is near, a search does. */
+/*
+ * The nearest pairs at tick->at, as searches leave them: what the view tells; where nothing is near, a search does. One that
+ * a budget ends knows less of the gap than the view.
+ */
 static void settle(struct proxy_tick *tick, const struct patch_view *view, int is_known)
 {
-    if (!is_known || tick->world->body_slot_end > UNLISTED_BODIES_MAX || !dpti_patch_answer(tick, view))
-        dpti_proxy_find_nearest(tick);
+    const double proven = min_of(tick->gap, view->covered);
+    if (is_known && tick->world->body_slot_end <= UNLISTED_BODIES_MAX && dpti_patch_answer(tick, view))
+        return;
+    dpti_proxy_find_nearest(tick);
+    tick->gap = max_of(tick->gap, proven);
 }
 
 /* A motion was made, so far as that share. */
@@ -197,6 +203,9 @@ static int make(struct proxy_tick *tick, const struct patch_view *view, struct p
     if (is_proven) {
         tick->at = motion->to;
         tick->proxy->trust = HUGE_VAL;
+        /* Until the next look: so much is kept, and the pairs are those of where it began. */
+        tick->gap = min_of(tick->gap, tick->min_gap);
+        tick->is_lost = 1;
     } else {
         settle(tick, view, 1);
         motion->share *= dpti_proxy_move(tick, &motion->to, &met);
@@ -204,8 +213,6 @@ static int make(struct proxy_tick *tick, const struct patch_view *view, struct p
     if (!(motion->share > 0.0))
         return 0;
     note_motion(tick, &from, motion->share, allowed);
-    /* Until the next look. */
-    tick->gap = -HUGE_VAL;
     return 1;
 }
 
@@ -222,24 +229,67 @@ static int try_shorter(const struct proxy_tick *tick, struct patch_view *view, c
     return MOTION_AGAIN;
 }
 
-static void bring_nearer(double *wanted, double share)
+/* What a motion is solved for. */
+struct patch_aim {
+    double wanted[HALF_SPACE_DIMENSIONS];
+    double share;   /* of the way to the goal */
+    double longest; /* m: the motion may be so long */
+    double reach;   /* m: what joins is held as far as that */
+    int has_widened;
+};
+
+static void bring_nearer(struct patch_aim *aim, double share)
 {
+    aim->share *= share;
     for (int k = 0; k < HALF_SPACE_DIMENSIONS; k++)
-        wanted[k] *= share;
+        aim->wanted[k] *= share;
+}
+
+enum { AIM_HOLDS, AIM_CHANGED, AIM_TOO_FAR };
+
+/*
+ * How long the motion that was solved for may be. Where it is longer than what was looked at, look once farther; where it
+ * may not be so long, bring the goal nearer: what holds a tool that goes far tells little of where it begins to go.
+ */
+static int limit_aim(struct proxy_tick *tick, struct patch_view *view, double allowed, double *reach, vec3 hint,
+                     struct patch_aim *aim)
+{
+    const double size = norm_of(tick->solved.y, proxy_unknowns(tick->proxy));
+    const double trusted = min_of(allowed, view->trust);
+    const double far = min_of(1.0, trusted / size) * farthest(tick);
+    const double farthest_allowed = view->covered - SHORTER * tick->clearance;
+    const double gathered = max_of(*reach, view->reach - SHORTER * tick->clearance);
+    if (far > min_of(gathered, farthest_allowed) && !aim->has_widened) {
+        *reach = 1.5 * far + view->near;
+        aim->has_widened = 1;
+        if (!look(tick, view, *reach, hint))
+            return AIM_TOO_FAR;
+        if (size > trusted)
+            bring_nearer(aim, trusted / size);
+        return AIM_CHANGED;
+    }
+    /* The tree is made for ways as long as this. */
+    if (farthest_allowed < LONG_WAY * far)
+        return AIM_TOO_FAR;
+    aim->longest = min_of(1.0, farthest_allowed / far) * min_of(size, trusted);
+    if (aim->share == 1.0 && size > aim->longest) {
+        bring_nearer(aim, aim->longest / size);
+        return AIM_CHANGED;
+    }
+    /* The motion may be longer than the reach was guessed. */
+    aim->reach = max_of(*reach, far + view->near);
+    return AIM_HOLDS;
 }
 
 static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, struct patch_view *view)
 {
     struct proxy *proxy = tick->proxy;
-    const double near = view->near;
     const struct displacement way = dpti_proxy_displacement(proxy, &tick->at, &tick->goal);
-    double wanted[HALF_SPACE_DIMENSIONS] = { 0.0 };
+    struct patch_aim aim = { .share = 1.0 };
     struct patch_motion motion = { .share = 0.0 };
     enum patch_proof proof = PATCH_ADDED;
-    double aim = 1.0; /* the share of the way to the goal that is solved for */
-    int has_widened = 0;
     dpti_proxy_turn_axes(proxy, &tick->at, tick->axes);
-    const double left = dpti_solved_wanted(tick, &way, wanted);
+    const double left = dpti_solved_wanted(tick, &way, aim.wanted);
     const vec3 hint = scaled(way.shift, left > 0.0 ? min_of(1.0, *reach / left) : 0.0);
     if (!look(tick, view, *reach, hint))
         return MOTION_NONE;
@@ -248,46 +298,26 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
             proof = PATCH_CROWDED;
             break;
         }
-        if (work_left(&tick->world->work) < PATCH_WORK || !dpti_proxy_solve_rubbing(tick, wanted))
+        if (work_left(&tick->world->work) < PATCH_WORK || !dpti_proxy_solve_rubbing(tick, aim.wanted))
             return MOTION_NONE;
         work_spend(&tick->world->work, 1 + tick->triangle_count / 2);
         const double size = norm_of(tick->solved.y, proxy_unknowns(proxy));
-        proxy->lag = min_of(left, size / aim);
-        if (left == 0.0 || proxy_has_arrived(tick, size, aim * left)) {
+        proxy->lag = min_of(left, size / aim.share);
+        if (left == 0.0 || proxy_has_arrived(tick, size, aim.share * left)) {
             if (left > 0.0 && dpti_patch_prefer_pairs(tick, view))
                 continue;
             dpti_proxy_remember_active(tick);
             return MOTION_DONE;
         }
-        const double trusted = min_of(*allowed, view->trust);
-        const double far = min_of(1.0, trusted / size) * farthest(tick);
-        const double farthest_allowed = view->covered - SHORTER * tick->clearance;
-        const double gathered = max_of(*reach, view->reach - SHORTER * tick->clearance);
-        if (far > min_of(gathered, farthest_allowed) && !has_widened) {
-            *reach = 1.5 * far + near;
-            has_widened = 1;
-            if (!look(tick, view, *reach, hint))
-                return MOTION_NONE;
-            if (size > trusted) {
-                aim = trusted / size;
-                bring_nearer(wanted, aim);
-            }
-            continue;
-        }
-        /* The tree is made for ways as long as this. */
-        if (farthest_allowed < LONG_WAY * far)
+        const int limited = limit_aim(tick, view, *allowed, reach, hint, &aim);
+        if (limited == AIM_TOO_FAR)
             return MOTION_NONE;
-        const double longest = min_of(1.0, farthest_allowed / far) * min_of(size, trusted);
-        if (aim == 1.0 && size > longest) {
-            /* What holds a tool that goes far tells little of where it begins to go. */
-            aim = longest / size;
-            bring_nearer(wanted, aim);
+        if (limited == AIM_CHANGED)
             continue;
-        }
-        choose(tick, view, wanted, longest, aim == 1.0, &motion);
-        proof = prove(tick, view, &way, wanted, left, *reach, &motion);
+        choose(tick, view, aim.wanted, aim.longest, aim.share == 1.0, &motion);
+        proof = prove(tick, view, &way, aim.wanted, left, aim.reach, &motion);
     }
-    *reach = near;
+    *reach = view->near;
     if (proof != PATCH_FREE && try_shorter(tick, view, &motion) == MOTION_AGAIN)
         return MOTION_AGAIN;
     if (proof == PATCH_CROWDED || !make(tick, view, &motion, proof == PATCH_FREE, allowed))
@@ -303,7 +333,7 @@ static int follow_once(struct proxy_tick *tick, double *allowed, double *reach, 
 struct start {
     struct proxy_pose at;
     double gap, allowed;
-    double carried; /* m: so far it went */
+    double carried; /* m: so far it went; 0 once a motion was made from there */
     int is_before;
     int is_past; /* other bodies were near */
     struct proxy_contact contacts[PROXY_CONTACTS_MAX];
@@ -322,6 +352,7 @@ static void go_back(struct proxy_tick *tick, const struct start *start, double *
     tick->gap = start->gap;
     tick->is_before = start->is_before;
     tick->is_lost = 1;
+    tick->is_dragged = 0;
     *allowed = start->allowed;
     memcpy(tick->proxy->contacts, start->contacts, sizeof start->contacts);
 }
@@ -385,9 +416,10 @@ int dpti_patch_follow(struct proxy_tick *tick, double *allowed)
             go_back(tick, &start, allowed);
         if (result == MOTION_NONE)
             return 0;
-        /* The first motion may lead back. */
-        if (i == 0 && start.carried > 0.0)
+        /* The first motion that is made may lead back. */
+        if (start.carried > 0.0)
             *allowed = max_of(0.0, start.allowed - way_between(tick, &start.at, &tick->at));
+        start.carried = 0.0;
         tick->is_settled = result == MOTION_DONE;
         if (tick->is_settled || *allowed <= PROXY_MOTION_SMALL * tick->clearance || is_enough(tick, done))
             break;

@@ -89,7 +89,11 @@ static uint32_t number_for(struct proxy_tick *tick, double gap)
     for (uint32_t i = 1; i < HALF_SPACES_MAX; i++)
         if (tick->sources[i].gap > tick->sources[widest].gap)
             widest = i;
-    return tick->sources[widest].gap > gap ? widest : HALF_SPACES_MAX;
+    if (!(tick->sources[widest].gap > gap))
+        return HALF_SPACES_MAX;
+    /* The last solution may have a contact of that number. */
+    tick->is_begun = 0;
+    return widest;
 }
 
 /* A pair of a triangle that is to become a constraint. */

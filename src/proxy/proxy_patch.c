@@ -6,8 +6,8 @@
 #include "sweep/sweep_mesh.h"
 #include "track/body_search.h"
 
-/* After a list could not be made, none is tried for so many ticks. */
-enum { CROWDED_MOTIONS = 8 };
+/* After a list could not be made, none is tried for so many ticks that begin elsewhere than the one before. */
+enum { CROWDED_TICKS = 8 };
 
 /* How many bodies a look may pass. */
 enum { BODIES_MAX = 16 };
@@ -42,8 +42,11 @@ static void ends_at(const struct patch_view *view, struct part part, const struc
     *b = view->is_ball ? *a : frame_to_world(&at->frame, part.tip ? part.tip->hull->axis_b : part.segment->b);
 }
 
-/* Whether the tool is where it was left to searches; else that is where it is now, for as long as it is crowded there. */
-static int was_left_here(const struct patch_view *view)
+/*
+ * Whether the tool is where it was left to searches; else that is where it is now, for as long as it is crowded there.
+ * is_again: asked once more in the same tick, which counts once.
+ */
+static int was_left_here(const struct patch_view *view, int is_again)
 {
     struct proxy_patch *first = view->first;
     const struct patch_place now = place_of(view);
@@ -51,6 +54,8 @@ static int was_left_here(const struct patch_view *view)
         return 1;
     if (!first->crowded)
         return 0;
+    if (is_again)
+        return 1;
     first->still = now;
     first->crowded--;
     return 1;
@@ -137,7 +142,7 @@ int dpti_patch_begin(struct proxy_tick *tick, struct patch_view *view)
         axis->part = tool_part(world, tool, i);
         ends_at(view, axis->part, &tick->at, &axis->a, &axis->b);
     }
-    tick->is_left = was_left_here(view);
+    tick->is_left = was_left_here(view, tick->is_left);
     if (tick->is_left)
         return 0;
     view->near = (view->is_ball ? NEAR : NEAR_LINE) * tick->clearance;
@@ -423,7 +428,7 @@ int dpti_patch_look(struct proxy_tick *tick, struct patch_view *view, double rea
     if (!view->is_made || view->reach - moved < (view->is_listed ? reach : view->near) ||
         view->covered - moved < min_of(reach, view->room)) {
         if (!look_anew(tick, view, reach)) {
-            view->first->crowded = CROWDED_MOTIONS;
+            view->first->crowded = CROWDED_TICKS;
             dpti_patch_leave(view);
             return 0;
         }

@@ -34,7 +34,7 @@ struct proxy_patch {
     uint32_t count;   /* of leaves */
     /* Of a tool's first one: where a tick found nothing to do, or no list, and left the tool to searches. */
     struct patch_place still;    /* of the tool's first segment */
-    uint32_t crowded;            /* no list could be made: it is tried again after so many motions */
+    uint32_t crowded;            /* no list could be made: none is tried for so many ticks that begin elsewhere */
     uint32_t is_off;             /* 1: none of the tool's is used, as a test wants */
     uint32_t leaf[PATCH_LEAVES]; /* ascending */
     float box[PATCH_BLOCKS][MESH_BOX_WORDS];

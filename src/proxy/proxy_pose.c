@@ -47,12 +47,13 @@ static int is_rubbing(const struct dpt_world *world, const struct proxy *proxy)
     return 0;
 }
 
-static double max_radius_of(const struct segment *segments, uint32_t count)
+/* m: the lever of friction against a spin. One that is so thin has none: the square of its lever may be 0. */
+static double spin_radius_of(const struct segment *segments, uint32_t count)
 {
     double max_radius = 0.0;
     for (uint32_t i = 0; i < count; i++)
         max_radius = max_of(max_radius, segments[i].radius);
-    return max_radius;
+    return max_radius > BALL ? max_radius : 0.0;
 }
 
 /* The ends of a segment, or of a tip's axis where the tool was given it: a jaw that opens changes no force. */
@@ -114,7 +115,7 @@ void dpti_proxy_measure(const struct dpt_world *world, const struct tool *tool, 
     rho = min_of(max_of(rho, own / RHO_FACTOR), own * RHO_FACTOR);
     proxy->coupling = (struct coupling){ tool->stiffness, tool->lock_rotation ? own * RHO_FACTOR : rho,
                                          proxy->shape == PROXY_STRAIGHT && is_rubbing(world, proxy)
-                                             ? max_radius_of(segments, tool->segment_count)
+                                             ? spin_radius_of(segments, tool->segment_count)
                                              : 0.0 };
 }
 

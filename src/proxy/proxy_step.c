@@ -258,10 +258,13 @@ static int bodies_came_near(const struct proxy_tick *tick)
     return world->bodies_moved_tick == world->ticks && tick->gap <= world->body_motion_max + 2.0 * tick->clearance;
 }
 
-/* The nearest pairs where the proxy was left. What was proven of its gap holds, less what bodies moved. */
+/*
+ * The nearest pairs where the proxy was left. What was proven of its gap holds; before its first motion, less what bodies
+ * moved.
+ */
 static void find_again(struct proxy_tick *tick)
 {
-    const double proven = tick->gap - world_body_motion(tick->world);
+    const double proven = tick->gap - (tick->is_moved ? 0.0 : world_body_motion(tick->world));
     dpti_proxy_find_nearest(tick);
     tick->gap = max_of(tick->gap, proven);
 }
@@ -310,8 +313,11 @@ static void follow_all(struct proxy_tick *tick, double *allowed)
         return;
     if (!tick->is_before)
         find_again(tick);
-    if (tick->is_left && !tick->is_before && (follow_some(tick, 1, allowed) || dpti_patch_follow(tick, allowed)))
-        return;
+    if (tick->is_left && !tick->is_before) {
+        if (follow_some(tick, 1, allowed) || dpti_patch_follow(tick, allowed))
+            return;
+        find_again(tick);
+    }
     follow_some(tick, ITERATIONS_MAX, allowed);
 }
 

@@ -73,7 +73,7 @@ struct proxy_tick {
     int is_lost;      /* the segments' nearest pairs are of another pose than `at` */
     int held;         /* PROXY_HELD_... */
     int is_fast;      /* the device moved by more than half of what a fold may in a tick */
-    int is_left;      /* the last tick with patches made no motion there, and left it to searches */
+    int is_left;      /* searches first: one with patches made no motion here, or no list has had room of late */
     int is_moved;     /* a motion was made in this tick */
     int is_dragged;   /* it went along with a body while it stuck to another one: a motion is to make that good */
     int is_settled;   /* the last solution is of `at`, and leaves no motion to make */

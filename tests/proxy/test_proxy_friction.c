@@ -444,6 +444,35 @@ static void a_spin_moves_nothing(void)
     solid_close(&box);
 }
 
+/*
+ * One that is too thin for friction to have a lever about its axis spins with its device, on a surface that rubs too: the
+ * square of the lever is 0 here.
+ */
+static void nothing_holds_the_spin_of_a_thin_line(void)
+{
+    static const dpt_segment thin = { { -0.01, 0, 0 }, { 0.01, 0, 0 }, 1e-200 };
+    struct solid box;
+    struct rig rig;
+    if (!solid_from_shape(&box, "box", 1200))
+        return;
+    rig_open(&rig, NULL, box.mesh, &thin, 1);
+    rig_set_body(&rig, (dpt_body_settings){ .static_friction = 0.5, .kinetic_friction = 0.5 });
+    rig.device.position[2] = TOP + 0.001;
+    rig_place(&rig);
+    press(&rig);
+    CHECK(rig.force.reason == DPT_FORCE_ACTS, "it is not held");
+    for (int i = 0; i < 200; i++) {
+        pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.01 * i);
+        rig_step(&rig);
+        double same = 0;
+        for (int k = 0; k < 4; k++)
+            same += rig.proxy.orientation[k] * rig.device.orientation[k];
+        CHECK(fabs(same) > 1 - 1e-9, "tick %d: the proxy's spin is not the device's", i);
+    }
+    rig_close(&rig);
+    solid_close(&box);
+}
+
 int main(int argc, char **argv)
 {
     take_percent(argc, argv);
@@ -455,5 +484,6 @@ int main(int argc, char **argv)
     TEST(contacts_that_change_keep_the_cone);
     TEST(two_triangles_under_a_tip_are_one_contact);
     TEST(a_spin_moves_nothing);
+    TEST(nothing_holds_the_spin_of_a_thin_line);
     return check_report();
 }

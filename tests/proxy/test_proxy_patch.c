@@ -14,6 +14,7 @@
 #include "proxy/proxy.h"
 #include "proxy/proxy_friction.h"
 #include "proxy/solved_motion.h"
+#include "proxy/tick_at.h"
 #include "proxy/wiping_hand.h"
 
 static unsigned long ticks_wanted = 1000;
@@ -60,12 +61,6 @@ static const char *const scenes[SCENES] = { "at rest", "moving", "two", "two mov
 
 #define EACH(list) (sizeof(list) / sizeof *(list))
 
-/* All patches of the tool. */
-static struct proxy_patch *patch_of(const struct rig *rig)
-{
-    return patches_of(rig->world, 0);
-}
-
 /* Whether an instrument is tried on a subject: one with tips, which takes longer, on half of them. */
 static int is_tried(size_t subject, size_t instrument)
 {
@@ -110,20 +105,6 @@ static void judge_patch(const struct rig *rig, const struct proxy_patch *patch, 
         CHECK((patch->count && patch->leaf[at] == t / LANES) || distance > patch->reach * (1 - 1e-12),
               "%s: triangle %u at %g is not in a patch of %g", name, t, distance, patch->reach);
     }
-}
-
-/* A tick of the proxy that has not begun to move. */
-static void tick_at_proxy(const struct rig *rig, struct proxy_tick *tick)
-{
-    memset(tick, 0, sizeof *tick);
-    tick->world = rig->world;
-    tick->tool = rig->world->tools;
-    tick->proxy = rig->world->proxies;
-    tick->at = dpti_proxy_pose_of(tick->proxy, &tick->proxy->pose);
-    tick->clearance = dpti_proxy_clearance(rig->world);
-    tick->min_gap = tick->proxy->min_gap;
-    tick->gap = tick->proxy->gap;
-    dpti_proxy_turn_axes(tick->proxy, &tick->at, tick->axes);
 }
 
 /* Of a triangle in the list, which grows as motions need; NULL: it is not there. */
