@@ -417,6 +417,14 @@ static void two_triangles_under_a_tip_are_one_contact(void)
     }
 }
 
+static void spin_is_the_devices(const struct rig *rig, int tick)
+{
+    double same = 0;
+    for (int k = 0; k < 4; k++)
+        same += rig->proxy.orientation[k] * rig->device.orientation[k];
+    CHECK(fabs(same) > 1 - 1e-9, "tick %d: the proxy's spin is not the device's", tick);
+}
+
 /* Without friction a lying tool that is spun about its own axis goes nowhere, and its proxy spins with it. */
 static void a_spin_moves_nothing(void)
 {
@@ -435,10 +443,7 @@ static void a_spin_moves_nothing(void)
         CHECK(apart(rig.proxy.position, at.position) < 1e-8, "tick %d: %g m away", i,
               apart(rig.proxy.position, at.position));
         CHECK(fabs(rig_force(&rig) - 1) < 1e-3, "tick %d: %g N", i, rig_force(&rig));
-        double same = 0;
-        for (int k = 0; k < 4; k++)
-            same += rig.proxy.orientation[k] * rig.device.orientation[k];
-        CHECK(fabs(same) > 1 - 1e-9, "tick %d: the proxy's spin is not the device's", i);
+        spin_is_the_devices(&rig, i);
     }
     rig_close(&rig);
     solid_close(&box);
@@ -464,10 +469,7 @@ static void nothing_holds_the_spin_of_a_thin_line(void)
     for (int i = 0; i < 200; i++) {
         pose_orient(&rig.device, (const double[3]){ 1, 0, 0 }, 0.01 * i);
         rig_step(&rig);
-        double same = 0;
-        for (int k = 0; k < 4; k++)
-            same += rig.proxy.orientation[k] * rig.device.orientation[k];
-        CHECK(fabs(same) > 1 - 1e-9, "tick %d: the proxy's spin is not the device's", i);
+        spin_is_the_devices(&rig, i);
     }
     rig_close(&rig);
     solid_close(&box);
