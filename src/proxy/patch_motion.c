@@ -100,8 +100,8 @@ static int look(struct proxy_tick *tick, struct patch_view *view, double reach, 
 }
 
 /*
- * The nearest pairs at tick->at, as searches leave them: what the view tells; where nothing is near, a search does. One that
- * a budget ends knows less of the gap than the view.
+ * The nearest pairs at tick->at, as searches leave them: what the view tells; where nothing is near, a search does. One
+ * that a budget ends knows less of the gap than the view.
  */
 static void settle(struct proxy_tick *tick, const struct patch_view *view, int is_known)
 {
