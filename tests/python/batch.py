@@ -217,6 +217,22 @@ class Batch(unittest.TestCase):
                 world.tools[0].rows = (*tool.rows[:2], np.zeros((2, 6)), *tool.rows[3:])
                 world.step(DT)
 
+    def test_vertices_that_are_set_outlive_a_step_that_is_refused(self):
+        with dp.batch.World(3, threads=2) as world:
+            soft, tool = world.add_deformable(self.liver), world.add_tool([0, 0, 0], [0, 0.1, 0], 0.002)
+            moved = np.stack([soft.rest + np.float32([0, 0.005, 0])] * 3)
+            soft.vertices = moved
+            rows, tool.rows = tool.rows, (*tool.rows[:2], np.zeros((2, 6)), *tool.rows[3:])
+            self.assertRaises(ValueError, world.step, DT)
+            tool.rows = rows
+            world.step(DT)
+            self.assertEqual(soft.vertices.tobytes(), moved.tobytes())
+
+    def test_springs_without_settings_of_their_own(self):
+        with dp.batch.World(2) as world:
+            kinds = [world.add_deformable(self.soft, springs=springs).springs for springs in ({}, True, None, False)]
+        self.assertEqual([springs is not None for springs in kinds], [True, True, False, False])
+
     def test_a_second_thread_is_kept_out_and_nothing_leaks(self):
         world, body, soft, near, far = self.make(2)
         refused = []

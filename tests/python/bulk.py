@@ -191,6 +191,39 @@ class Bulk(unittest.TestCase):
             tool = world.add_tool([0, 0, 0], [0, 0, 0.1], 0.003, stiffness=200)
             self.assertEqual(soft.tobytes(), np.array([tool.tick(pose, 0.001) for pose in poses]).tobytes())
 
+    def test_a_damaged_array_is_one_job_s_verdict(self):
+        room = self.room
+        (room / "empty.npy").touch()
+        np.savez(room / "whole.npz", np.zeros((9, 6)))
+        (room / "cut.npy").write_bytes((room / "whole.npz").read_bytes()[:-60])
+        np.save(room / "good.npy", np.zeros((2, 6)))
+        names = ("empty", "cut", "good")
+        lines = [f"{room}/program/0.dpa\t{room}/of_{name}.npy\t{room}/{name}.npy" for name in names]
+        (room / "damaged.list").write_text("\n".join(lines), encoding="utf-8")
+        summary = dp.bulk.run("query", room / "damaged.list", room / "damaged.tsv", workers=1)
+        self.assertEqual([row.verdict for row in summary.rows], ["EOFError", "BadZipFile", "DPT_OK"])
+        self.assertTrue(summary.rows[0].note)
+
+    def test_what_the_machine_lacked_is_tried_again(self):
+        room = self.room
+        (room / "later.list").write_text(f"{room}/in/0.obj\t{room}/later/0.dpa\n", encoding="utf-8")
+        first = dp.bulk.run("compile", room / "later.list", room / "later.tsv", workers=1, unit="m")
+        (room / "later").mkdir()
+        second = dp.bulk.run("compile", room / "later.list", room / "later.tsv", workers=1, unit="m")
+        self.assertEqual([(row.verdict, row.hash) for row in (*first.rows, *second.rows)],
+                         [("DPT_E_SYSTEM", ""), ("DPT_OK", self.wanted[0][3])])
+        self.assertEqual((second.kept, [path.name for path in (room / "later").iterdir()]), (0, ["0.dpa"]))
+
+    def test_parts_that_dead_workers_left_are_swept_up(self):
+        room = self.room
+        (room / "swept").mkdir()
+        left = ["0.dpa.77-00c0ffee.part", "1.dpa.77-00c0ffee.part", "0.dpa.part"]
+        for name in left:
+            (room / "swept" / name).touch()
+        (room / "swept.list").write_text(f"{room}/in/0.obj\t{room}/swept/0.dpa\n", encoding="utf-8")
+        dp.bulk.run("compile", room / "swept.list", room / "swept.tsv", workers=1, unit="m")
+        self.assertEqual(sorted(path.name for path in (room / "swept").iterdir()), sorted(["0.dpa", *left[1:]]))
+
     def test_manifests_that_are_wrong(self):
         for text, why in (("a\n", ":1: a line of compile has 2 cells"), ("", "lists nothing"),
                           ("a.obj\tb.dpa\n\na.obj\tb.dpa\n", ":3: 'b.dpa' is to be written twice"),

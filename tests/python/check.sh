@@ -32,7 +32,7 @@ check "a user's types do, see $log" env MYPYPATH="$site" "$build/venv-python/bin
 log=
 [ "${RELEASE:-no}" != yes ] || export BULK=2000
 # Away from the tree: nothing of it is found by accident.
-for test in feel.py misuse.py life.py safety.py files.py parts.py view.py batch.py bulk.py exports.py; do
+for test in feel.py misuse.py life.py safety.py files.py parts.py view.py batch.py bulk.py exports.py with_newton.py; do
     count "${test%.py}" env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" "$python" -X dev -W ignore::ResourceWarning \
         "tests/python/$test"
 done

@@ -4,6 +4,7 @@ replay of it finds the same forces; h5py, mcap with ROS 2's decoder, and pyarrow
 package."""
 import importlib.util
 import json
+import resource
 import subprocess
 import sys
 import tempfile
@@ -152,6 +153,31 @@ class Exports(unittest.TestCase):
         (self.room / "cut.dpr").write_bytes(self.paths[0].read_bytes()[:-100])
         with self.assertWarnsRegex(UserWarning, "what is before it is read"):
             self.assertEqual(len(exports.load(self.room / "cut.dpr").records), TICKS - 1)
+
+    def test_what_cannot_be_written_leaves_the_old_file(self):
+        need("h5py", "mcap", "pyarrow")
+        take, room = self.takes[0], self.room / "old"
+        room.mkdir()
+        broken = take._replace(pieces=None)
+        for write, name, error in ((exports.to_hdf5, "a.h5", TypeError), (exports.to_mcap, "a.mcap", TypeError)):
+            write(take, room / name)
+            before = (room / name).read_bytes()
+            self.assertRaises(error, write, broken, room / name)
+            self.assertEqual((room / name).read_bytes(), before)
+        self.assertRaises(AttributeError, exports.to_lerobot, [broken], room / "set")
+        take.save(room / "a.dpr")
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (8192, limits[1]))  # a full disk
+        try:
+            self.assertRaises(OSError, take.save, room / "a.dpr")
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        self.assertEqual((room / "a.dpr").read_bytes(), self.paths[0].read_bytes())
+        self.assertEqual(sorted(path.name for path in room.iterdir()), ["a.dpr", "a.h5", "a.mcap"])
+        (room / "link.dpr").symlink_to("a.dpr")
+        self.takes[1].save(room / "link.dpr")
+        self.assertEqual(((room / "link.dpr").is_symlink(), (room / "a.dpr").read_bytes()),
+                         (True, self.paths[1].read_bytes()))
 
     def test_the_contract_is_written(self):
         contract = Path(__file__).resolve().parents[2] / "docs/exports.md"

@@ -120,6 +120,44 @@ class Feel(unittest.TestCase):
         corners = np.loadtxt((line[2:] for line in self.obj.read_text().splitlines() if line.startswith("v ")))
         self.assertTrue(np.allclose(corners[self.mesh.vertex_sources], vertices, atol=1e-7))
 
+    def test_a_needle_pierces_and_tells_its_channel(self):
+        at = [[x, y, z] for x in (-0.05, 0.05) for y in (-0.05, 0.0) for z in (-0.05, 0.05)]
+        corners = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6),
+                   (0, 6, 4), (1, 5, 7), (1, 7, 3)]
+        box = dp.Mesh.compile(at, corners, unit="m")
+        for puncture in (0.5, 1e6):
+            with dp.World(max_channels=8) as world:
+                body, tool = world.add_body(box), world.add_tool([0, 0.1, 0], [0, 0, 0], 0.0005)
+                body.puncture_force, body.shaft_friction, tool.piercing = puncture, 20.0, "b"
+                self.assertEqual((tool.piercing, body.puncture_force, body.shaft_friction), ("b", puncture, 20.0))
+                for height in np.linspace(0.01, -0.02, 300):
+                    tool.tick([0.01, height, 0.003], 0.001)
+                self.assertEqual(len(tool.channels), puncture == 0.5)
+                if puncture == 0.5:
+                    self.assertEqual((tool.channels["body"][0], tool.channels.dtype), (body.id, dp.CHANNEL))
+                    self.assertAlmostEqual(tool.channels["depth"][0], 0.02, delta=2e-3)
+                    tool.teleport([-0.02, -0.01, 0])
+                    tool.insert()
+                    self.assertEqual(len(tool.channels), 2)
+        with dp.World() as world, self.assertRaisesRegex(dp.Error, "max_channels"):
+            world.add_tool([0, 0, 0], [0, 0.1, 0], 0.001).channels
+
+    def test_a_compliance_for_each_vertex(self):
+        count, felt, soft = int(self.mesh.info.vertices), [], 2.0 ** -9  # of as many bits in a float
+        x, top, z = self.mesh.vertices[self.mesh.vertices[:, 1].argmax()].tolist()
+        for each in (None, np.full(count, soft), np.zeros(count)):
+            with dp.World() as world:
+                body = world.add_deformable(self.mesh, compliance=soft, compliances=each, load_radius=0.01)
+                tool, wrenches = world.add_tool([0, 0, 0], [0, 0.05, 0], 0.002), np.zeros((300, 6))
+                for k, wrench in enumerate(wrenches):
+                    tool.tick([x, top + 0.01 - 0.0001 * k, z], 0.001)
+                    body.step(None, 0.001)
+                    tool.get_wrench(wrench)
+                felt.append(wrenches)
+        self.assertTrue(felt[0].any() and np.array_equal(felt[0], felt[1]) and not np.array_equal(felt[0], felt[2]))
+        with dp.World() as world, self.assertRaisesRegex(ValueError, f"compliances: wanted {count}"):
+            world.add_deformable(self.mesh, compliance=soft, compliances=[soft])
+
     def test_a_soft_body_gives_way_and_is_felt(self):
         mesh = dp.Mesh.load(self.obj, unit="m", springs={"kind": "volume", "young": 3000, "spacing": 0.02, "fixed": [0]})
         self.assertGreater(mesh.info.springs, 0)

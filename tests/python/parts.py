@@ -79,6 +79,9 @@ class Parts(unittest.TestCase):
         self.assertEqual((ran.returncode, made.read_bytes()), (0, told.read_bytes()), ran.stderr)
         arm = dp.Arm.load(ROBOT)
         self.assertEqual(bytes(memoryview(arm)), told.read_bytes())
+        renamed = Path(self.room.name, "compiled.arm")
+        renamed.write_bytes(told.read_bytes())
+        self.assertEqual(bytes(memoryview(dp.Arm.load(renamed))), told.read_bytes())
         broken = Path(self.room.name, "broken.urdf")
         broken.write_text("<robot name='x'><link/></robot>")
         with self.assertRaisesRegex(dp.Error, "broken.urdf"):

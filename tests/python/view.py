@@ -8,6 +8,7 @@ import os
 import pickle
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -292,6 +293,10 @@ class View(unittest.TestCase):
             "unmasked": dict(masked=False),
         }
         with Running() as one:
+            with Page(one.view.url) as page:
+                page.join()
+                page.socket.sendall(struct.pack(">BBQ", 0x81, 0xFF, 5))  # a length of eight bytes
+                self.assertEqual(page.closed_with(), POLICY)
             for name, how in cases.items():
                 with Page(one.view.url) as page:
                     page.join()
@@ -359,6 +364,49 @@ class View(unittest.TestCase):
             self.assertRaisesRegex(ValueError, "control: only a simulated hand"),
         ):
             scene.view(control=True)
+
+    def test_a_page_that_takes_nothing_is_let_go(self):
+        self.addCleanup(setattr, _serve, "SEND_SECONDS", _serve.SEND_SECONDS)
+        for seconds in (0.5, 600.0):
+            _serve.SEND_SECONDS = seconds
+            server = _serve.ViewServer([bytes(64 << 20)])
+            with Page(server.url) as page:
+                self.assertEqual(page.upgrade(), 101)
+                page.say(page.token)
+                until("its thread waits", lambda: server.clients and server.clients[0].link.lock.locked())
+                if seconds < 1:
+                    until("its place is free", lambda: not server.clients)
+                closes = threading.Thread(target=server.close)
+                closes.start()
+                closes.join(60)
+                self.assertFalse(closes.is_alive())
+                until("nobody waits for it", lambda: not server.clients)
+        self.addCleanup(setattr, _serve, "PAGE_SECONDS", _serve.PAGE_SECONDS)
+        _serve.PAGE_SECONDS = 0.5
+        server = _serve.ViewServer([b""])
+        server.page = bytes(64 << 20)
+        with Page(server.url) as page:
+            self.assertEqual(page.ask()[0], 200)
+            until("the connection is free", lambda: server._places._value == _serve.CONNECTIONS)
+        server.close()
+
+    def test_who_may_frame_it_is_a_list_of_origins(self):
+        with dp.Scene("liver", "sim:", ticks=1) as scene:
+            for frames in ("https://*.org", ["https://a.org; script-src *"], ["*"], ["https://a.org b.org"], [""]):
+                with self.assertRaisesRegex(ValueError, "frames: "):
+                    scene.view(frames=frames)
+            named = ("https://hub.example.org", "http://localhost:*")
+            with scene.view(frames=named) as view:
+                self.assertIn("frame-ancestors " + " ".join(named) + ";", view._server.policy() + ";")
+
+    def test_a_view_that_is_closed_while_its_scene_runs_can_be_followed_by_another(self):
+        with Running() as one:
+            until("it runs", lambda: one.felt)
+            one.view.close()
+            one.scene.stop()
+            one.thread.join()
+            with Page(one.scene.view().url) as page:
+                self.assertEqual(page.join()[:4], b"\1\0\0\0")
 
     def test_a_view_ends_with_its_scene(self):
         scene = dp.Scene("liver", "sim:", ticks=1)
@@ -432,16 +480,33 @@ class View(unittest.TestCase):
                                 page.say("drawn")
                         self.assertGreater(kinds.count(2), 5)
                     ran.terminate()
-            told = subprocess.run(
-                [sys.executable, "-m", "dynpoint", "view", "liver", "--law", "bed"],
-                env=environment,
-                capture_output=True,
-                text=True,
-            )
-            self.assertEqual(
-                (told.returncode, told.stderr),
-                (2, "dynpoint view: --law needs libwebsockets (Debian: libwebsockets17)\n"),
-            )
+            for what in (record, "liver"):  # until it is interrupted
+                with subprocess.Popen(
+                    [sys.executable, "-m", "dynpoint", "view", what],
+                    env=environment,
+                    text=True,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.PIPE,
+                ) as ran:
+                    with Page(re.search(r"http:\S+", ran.stdout.readline())[0]) as page:
+                        self.assertEqual(page.join()[:4], b"\1\0\0\0")
+                    with self.assertRaises(subprocess.TimeoutExpired):
+                        ran.wait(1)
+                    ran.send_signal(signal.SIGINT)
+                    self.assertEqual((ran.wait(60), ran.stderr.read()), (0, ""))
+            for words, why in (
+                (["liver", "--law", "bed"], "--law needs libwebsockets (Debian: libwebsockets17)"),
+                (["liver", "--for", "0"], "--for must be positive"),
+                ([record, "--for", "nan"], "--for must be positive"),
+            ):
+                told = subprocess.run(
+                    [sys.executable, "-m", "dynpoint", "view", *words],
+                    env=environment,
+                    capture_output=True,
+                    text=True,
+                    timeout=60,
+                )
+                self.assertEqual((told.returncode, told.stderr), (2, f"dynpoint view: {why}\n"))
 
 
 main()

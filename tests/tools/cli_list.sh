@@ -70,5 +70,17 @@ refuses 'a list: two inputs' '--list names the inputs' compile --list manifest i
 printf 'in/none.obj\tout/none.dpa\n' >none
 run compile --list none -o none.tsv
 if [ $status -eq 1 ] && grep -q 'DPT_E_SYSTEM.*No such file' none.tsv; then ok; else bad "a source that is not there: $(cat none.tsv)"; fi
+mkdir -p out
+cp in/1.obj in/none.obj
+run compile --list none -o none.tsv
+if [ $status -eq 0 ] && grep -q 'none.tsv: 1 compiled, 0 refused$' stdout; then ok; else bad "now it is: exit $status, $(cat stdout stderr none.tsv)"; fi
+short=/sys/devices/system/cpu/possible # the system says it has 4096 bytes
+if [ -r $short ]; then
+    printf '%s\tout/short.dpa\n' $short >short
+    run compile --list short -o short.tsv
+    if [ $status -eq 1 ] && grep -q 'DPT_E_SYSTEM.*Input/output error' short.tsv; then ok; else bad "a source that is cut: $(cat short.tsv)"; fi
+else
+    skip "a source that is cut: no $short"
+fi
 
 finish

@@ -70,7 +70,7 @@ static void keep_first(void *user, const dpt_diag *diag)
 
 /* ---- One job ---- */
 
-/* A whole file, a zero behind it; NULL, and errno. */
+/* A whole file, a zero behind it; NULL, and errno. One that is shorter than the system said is EIO. */
 static void *read_whole(const char *path, size_t *size)
 {
     struct file_status found;
@@ -82,8 +82,10 @@ static void *read_whole(const char *path, size_t *size)
         *size = fread(bytes, 1, (size_t)found.bytes, file);
         memset(bytes + *size, 0, 64);
         if (ferror(file) || *size != found.bytes) {
+            const int why = ferror(file) ? errno : EIO;
             free(bytes);
             bytes = NULL;
+            errno = why;
         }
     }
     if (file)
@@ -275,6 +277,14 @@ static int is_there(const struct job *job)
     return strcmp(hash, job->hash) == 0;
 }
 
+/* 1: the job was refused for what it is, and not for what the machine lacked then. */
+static int is_refused(const struct job *job)
+{
+    return strcmp(job->verdict, dpt_result_name(DPT_OK)) != 0 &&
+           strcmp(job->verdict, dpt_result_name(DPT_E_SYSTEM)) != 0 &&
+           strcmp(job->verdict, dpt_result_name(DPT_E_MEMORY)) != 0;
+}
+
 /* Take a row of a table of ours; one that is no such row, or is cut, is done again. */
 static void take_row(struct list *list, char *line)
 {
@@ -297,7 +307,7 @@ static void take_row(struct list *list, char *line)
     job->verdict = cell[2];
     job->seconds = strtod(cell[4], NULL);
     put_note(job->note, cell[5]);
-    job->is_done = strcmp(job->verdict, dpt_result_name(DPT_OK)) != 0 || is_there(job);
+    job->is_done = is_refused(job) || (strcmp(job->verdict, dpt_result_name(DPT_OK)) == 0 && is_there(job));
 }
 
 /* What an earlier call has done, if the table is there. *text is to be freed. Returns 0, or 2 after a message. */

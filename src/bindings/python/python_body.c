@@ -26,12 +26,39 @@ static void free_block(PyObject *capsule)
     free(PyCapsule_GetPointer(capsule, NULL));
 }
 
-/* Body(world, mesh, pose=None, deformable=None): `deformable` is a dict of dpt_deformable_def's fields. */
+/* The numbers of an array, one a vertex of the mesh, to `to`; with NULL for it they are only counted. 0, or -1. */
+static int take_compliances(PyObject *from, const dpt_mesh *mesh, float *to, size_t *bytes)
+{
+    Py_buffer view;
+    Py_ssize_t count;
+    dpt_mesh_info info = { .size = sizeof info };
+    *bytes = 0;
+    if (from == Py_None)
+        return 0;
+    if (dpy_get_array(from, &view, "f", sizeof(float), 1, &count, "compliances") != 0)
+        return -1;
+    dpt_mesh_get_info(mesh, &info);
+    const int is_right = count == (Py_ssize_t)info.vertices;
+    *bytes = (size_t)view.len;
+    if (is_right && to)
+        memcpy(to, view.buf, *bytes);
+    PyBuffer_Release(&view);
+    if (!is_right)
+        PyErr_Format(PyExc_ValueError, "compliances: wanted %u, one a vertex", info.vertices);
+    return is_right ? 0 : -1;
+}
+
+/*
+ * Body(world, mesh, pose=None, deformable=None, compliances=None): `deformable` is a dict of dpt_deformable_def's
+ * fields; compliances are copied.
+ */
 static PyObject *body_new(PyTypeObject *type, PyObject *args, PyObject *keywords)
 {
-    static char *names[] = { "world", "mesh", "pose", "deformable", NULL };
-    PyObject *world_object, *mesh_object, *at = Py_None, *settings = Py_None, *block = NULL, *kept = NULL;
-    if (!PyArg_ParseTupleAndKeywords(args, keywords, "OO|OO:Body", names, &world_object, &mesh_object, &at, &settings))
+    static char *names[] = { "world", "mesh", "pose", "deformable", "compliances", NULL };
+    PyObject *world_object, *mesh_object, *at = Py_None, *settings = Py_None, *compliances = Py_None, *block = NULL,
+                                          *kept = NULL;
+    if (!PyArg_ParseTupleAndKeywords(args, keywords, "OO|OOO:Body", names, &world_object, &mesh_object, &at, &settings,
+                                     &compliances))
         return NULL;
     dpy_world *holder = dpy_world_of(world_object);
     const dpt_mesh *mesh = holder ? dpy_mesh_of(mesh_object) : NULL;
@@ -42,7 +69,7 @@ static PyObject *body_new(PyTypeObject *type, PyObject *args, PyObject *keywords
     dpt_deformable_def def;
     dpt_deformable_def_init(&def);
     void *memory = NULL;
-    size_t bytes = 0;
+    size_t bytes = 0, more;
     if (settings != Py_None) {
         if (dpy_fill(&def, "dpt_deformable_def", settings) != 0)
             return NULL;
@@ -51,8 +78,18 @@ static PyObject *body_new(PyTypeObject *type, PyObject *args, PyObject *keywords
         bytes = dpt_deformable_bytes(&def);
         if (bytes == 0)
             return dpy_fail(DPT_E_ARGUMENT, "DeformableBody", NULL);
-        if (posix_memalign(&memory, 64, bytes) != 0)
+        if (take_compliances(compliances, mesh, NULL, &more) != 0)
+            return NULL;
+        if (posix_memalign(&memory, 64, bytes + more) != 0)
             return PyErr_NoMemory();
+        if (more) {
+            float *numbers = (float *)(void *)((char *)memory + bytes);
+            if (take_compliances(compliances, mesh, numbers, &more) != 0) {
+                free(memory);
+                return NULL;
+            }
+            def.compliances = numbers;
+        }
         block = PyCapsule_New(memory, NULL, free_block);
         if (!block) {
             free(memory);

@@ -113,7 +113,8 @@ static const char *choice_of(const dpy_field *field)
     static const char *const choices[][2] = { { "law", "DPT_LAW_" },           { "method", "DPT_METHOD_" },
                                               { "kernel", "DPT_KERNEL_" },     { "until", "DPT_UNTIL_" },
                                               { "strip", "DPT_STRIP_KIND_" },  { "integrator", "DPT_INTEGRATOR_" },
-                                              { "response", "DPT_RESPONSE_" }, { "format", "DPT_FORMAT_" } };
+                                              { "response", "DPT_RESPONSE_" }, { "format", "DPT_FORMAT_" },
+                                              { "piercing", "DPT_PIERCING_" } };
     if (field->kind != 'I' || field->bytes != 4)
         return NULL;
     if (strcmp(field->type, "dpt_spring_net_def") == 0 && strcmp(field->name, "kind") == 0)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "bindings/python/python_member.h"
 
+#include "dynpoint/insertion.h"
 #include "dynpoint/tool.h"
 
 #include <string.h>
@@ -210,24 +211,32 @@ static PyObject *tool_list(PyObject *object, PyObject *args)
     Py_ssize_t rows;
     if (!PyArg_ParseTuple(args, "sO:list", &name, &to))
         return NULL;
-    int is_contacts = strcmp(name, "contacts") == 0;
-    if (dpy_get_structs(to, &view, is_contacts ? sizeof(dpt_contact) : sizeof(dpt_tool_load), &rows, "out") != 0)
+    const int is_contacts = strcmp(name, "contacts") == 0, is_channels = strcmp(name, "channels") == 0;
+    const Py_ssize_t bytes = is_contacts   ? (Py_ssize_t)sizeof(dpt_contact)
+                             : is_channels ? (Py_ssize_t)sizeof(dpt_channel)
+                                           : (Py_ssize_t)sizeof(dpt_tool_load);
+    if (dpy_get_structs(to, &view, bytes, &rows, "out") != 0)
         return NULL;
     uint32_t count = 0;
     dpt_world *world = dpy_world_enter(self->world, "Tool");
     dpt_result result = DPT_OK;
     if (world) {
-        result = is_contacts ? dpt_tool_get_contacts(world, self->id, view.buf, (uint32_t)rows, &count)
-                             : dpt_tool_get_loads(world, self->id, view.buf, (uint32_t)rows, &count);
+        result = is_contacts   ? dpt_tool_get_contacts(world, self->id, view.buf, (uint32_t)rows, &count)
+                 : is_channels ? dpt_tool_get_channels(world, self->id, view.buf, (uint32_t)rows, &count)
+                               : dpt_tool_get_loads(world, self->id, view.buf, (uint32_t)rows, &count);
         dpy_world_leave(self->world);
     }
     PyBuffer_Release(&view);
     if (!world)
         return NULL;
     if (result != DPT_OK)
-        return dpy_fail(result, is_contacts ? "Tool.contacts" : "Tool.loads",
+        return dpy_fail(result,
+                        is_contacts   ? "Tool.contacts"
+                        : is_channels ? "Tool.channels"
+                                      : "Tool.loads",
                         is_contacts && result == DPT_E_FULL ? "the world lists no contacts: give it max_contacts"
-                                                            : NULL);
+                        : is_channels && result == DPT_E_UNSUPPORTED ? "the world has no channels: give it max_channels"
+                                                                     : NULL);
     return PyLong_FromUnsignedLong(count);
 }
 
@@ -279,6 +288,14 @@ static PyObject *tool_set_pose(PyObject *self, PyObject *to)
     return dpy_member_place((dpy_member *)self, to, "Tool.set_pose", dpt_tool_set_pose);
 }
 
+static PyObject *tool_insert(PyObject *object, PyObject *unused)
+{
+    dpy_member *self = (dpy_member *)object;
+    (void)unused;
+    ON_WORLD("Tool.insert", dpt_tool_insert(world, self->id));
+    return dpy_result(result, "Tool.insert");
+}
+
 static PyObject *tool_teleport(PyObject *self, PyObject *to)
 {
     return dpy_member_place((dpy_member *)self, to, "Tool.teleport", dpt_tool_teleport);
@@ -288,6 +305,7 @@ static PyMethodDef methods[] = { { "of", tool_of, METH_VARARGS | METH_CLASS, NUL
                                  { "remove", tool_remove, METH_NOARGS, NULL },
                                  { "set_pose", tool_set_pose, METH_O, NULL },
                                  { "teleport", tool_teleport, METH_O, NULL },
+                                 { "insert", tool_insert, METH_NOARGS, NULL },
                                  { "put_segments", tool_set_segments, METH_O, NULL },
                                  { "get_pose", tool_get_pose, METH_NOARGS, NULL },
                                  { "get_proxy", tool_get_proxy, METH_NOARGS, NULL },

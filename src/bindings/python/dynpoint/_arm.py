@@ -14,6 +14,7 @@ from ._mesh import Mesh, PathLike
 from ._structs import ARM_INFO, ARM_JOINT, ARM_LINK, SEGMENT, Floats, Numbers, Records, room
 
 A = TypeVar("A", bound="Arm")
+_MAGIC = b"\211DPK\r\n\032\n"  # ARM_MAGIC of arm/arm_format.h
 
 
 class Arm(_dynpoint.Arm):
@@ -23,12 +24,13 @@ class Arm(_dynpoint.Arm):
 
     @classmethod
     def load(cls: Type[A], path: PathLike, *options: str) -> A:
-        """A .dpa file, or a URDF, where the system has urdfdom; options are those of `dynpoint compile`, as "--tool"."""
+        """A compiled arm, or a URDF where the system has urdfdom; options are those of `dynpoint compile`, as "--tool"."""
         path = Path(path)
-        if path.suffix.lower() == ".dpa":
+        content = path.read_bytes()
+        if path.suffix.lower() == ".dpa" or content.startswith(_MAGIC):
             if options:
                 raise TypeError(f"{path}: it is compiled already: there are no options to choose")
-            return cls(path.read_bytes())
+            return cls(content)
         with TemporaryDirectory() as room:
             made = Path(room, "arm.dpa")
             ran = subprocess.run([Path(__file__).with_name("program"), "compile", path, "-o", made, *options], text=True,

@@ -16,7 +16,7 @@ from . import _dynpoint
 from ._mesh import Mesh, PathLike
 from ._structs import (DEVICE_COUNTS, DEVICE_INFO, DEVICE_STATE, GUARD_INFO, HOST_INFO, LOOP_STATS, Floats,
                        GuardState, Numbers, Records, room)
-from ._view import View, view_scene
+from ._view import View, end_view, view_scene
 from ._world import Body, Tool, World, make_segments
 
 Tick = Callable[[Any, Floats, float], Optional[Numbers]]
@@ -240,6 +240,8 @@ class Scene(_Closes, _dynpoint.Scene):
         server, to this machine alone, and needs a token, which is in View.url. `control` lets the page move a simulated
         hand. In a notebook it shows itself; `frames` are the origins of other pages that may have it in a frame of
         theirs."""
+        if self._view is not None and self._view.closed:
+            end_view(self)
         view = view_scene(self, self._device_name, title or self.name, control, port, frames)
         self._view = view
         if open:
@@ -248,9 +250,11 @@ class Scene(_Closes, _dynpoint.Scene):
 
     def close(self) -> None:
         """Zero force goes out, the device closes, pages are told."""
-        super().close()
-        if self._view is not None:
-            self._view.close("The scene was closed.")
+        try:
+            super().close()
+        finally:
+            if self._view is not None and self.closed:
+                self._view.close("The scene was closed.")
 
     @property
     def world(self) -> World:

@@ -22,7 +22,7 @@ from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple
 PROTOCOL = "dynpoint"
 CLIENTS, CONNECTIONS, UNDRAWN, FRAMES_A_SECOND, MESSAGES_A_SECOND, MESSAGE = 4, 32, 2, 60, 500, 4096
 HEADERS_SECONDS = TOKEN_SECONDS = 2.0
-SEND_SECONDS = 40.0
+SEND_SECONDS, PAGE_SECONDS, LEAVE_SECONDS = 40.0, 5.0, 0.1
 NORMAL, POLICY, LATER = 1000, 1008, 1013
 _TEXT, _BYTES, _CLOSE, _PING, _PONG = 1, 2, 8, 9, 10
 _FRAME = struct.pack("<I", 2)
@@ -49,7 +49,8 @@ class _Socket:
         self.lock = threading.Lock()  # of what is sent
         self.is_closing = False
 
-    def send(self, code: int, content: bytes) -> None:
+    def send(self, code: int, content: bytes, patience: float = -1) -> None:
+        """`patience`, s: of what is on its way before it; -1 waits for it however long it takes."""
         size = len(content)
         head = bytes([0x80 | code])
         head += (
@@ -59,15 +60,29 @@ class _Socket:
             if size < 65536
             else struct.pack(">BQ", 127, size)
         )
-        with self.lock:
+        if not self.lock.acquire(timeout=patience):
+            raise TimeoutError("the page takes nothing")
+        try:
             if not self.is_closing:
                 self.is_closing = code == _CLOSE
                 self.connection.sendall(head)
                 self.connection.sendall(content)
+        finally:
+            self.lock.release()
 
-    def close(self, code: int) -> None:
+    def close(self, code: int, patience: float = -1) -> None:
+        """Take leave. A page that takes nothing for `patience` seconds is hung up on."""
         try:
-            self.send(_CLOSE, struct.pack(">H", code))
+            if patience >= 0:
+                self.connection.settimeout(patience)
+            self.send(_CLOSE, struct.pack(">H", code), patience)
+        except OSError:
+            self.hang_up()
+
+    def hang_up(self) -> None:
+        """Threads that wait for the page wake up."""
+        try:
+            self.connection.shutdown(socket.SHUT_RDWR)
         except OSError:
             pass
 
@@ -86,9 +101,10 @@ class _Socket:
         while True:
             first, second = self._take(2)
             code, size = first & 15, second & 127
+            is_long = size == 127  # its length follows in eight bytes
             if size == 126:
                 size = struct.unpack(">H", self._take(2))[0]
-            if first & 0xF0 != 0x80 or not second & 128 or size > MESSAGE or (code >= 8 and size > 125):
+            if is_long or first & 0xF0 != 0x80 or not second & 128 or size > MESSAGE or (code >= 8 and size > 125):
                 raise _Refused(POLICY)
             mask = self._take(4) * (size // 4 + 1)
             content = bytes(a ^ b for a, b in zip(self._take(size), mask))
@@ -165,7 +181,7 @@ class _Client:
                     self.link.send(_BYTES, end)
                     return
         except OSError:
-            self.link.close(POLICY)
+            self.link.hang_up()  # what was cut cannot be gone on from
 
     def hear(self, text: str) -> None:
         now = time.monotonic()
@@ -214,10 +230,7 @@ class _Handler(BaseHTTPRequestHandler):
         super().finish()
 
     def _cut(self) -> None:
-        try:
-            self.connection.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass
+        _Socket(self.connection).hang_up()
 
     def _is_late(self, link: _Socket) -> None:
         self.server.refused += 1
@@ -258,7 +271,7 @@ class _Handler(BaseHTTPRequestHandler):
         elif self.path != "/":
             self._answer(HTTPStatus.NOT_FOUND)
         elif "upgrade" not in self.headers:
-            self.connection.settimeout(SEND_SECONDS)
+            self.connection.settimeout(PAGE_SECONDS)
             self._answer(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
         else:
             self._upgrade()
@@ -316,6 +329,8 @@ class _Handler(BaseHTTPRequestHandler):
                 try:
                     client.hear(link.receive())
                 except TimeoutError:
+                    if link.is_closing:
+                        break
                     link.send(_PING, b"")
         except _Refused as refusal:
             self.server.refused += 1
@@ -466,7 +481,7 @@ class ViewServer(ThreadingHTTPServer):
                 time.sleep(0.01)
         self.is_closed = True
         for client in list(self.clients):
-            client.link.close(NORMAL)
+            client.link.close(NORMAL, LEAVE_SECONDS)
         with self.changed:
             self.changed.notify_all()
         self.shutdown()

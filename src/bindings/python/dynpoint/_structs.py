@@ -33,6 +33,7 @@ def _dtype(name: str) -> np.dtype[np.record]:
 SEGMENT = _dtype("dpt_segment")
 HIT = _dtype("dpt_hit")
 CONTACT = _dtype("dpt_contact")
+CHANNEL = _dtype("dpt_channel")
 SWEEP = _dtype("dpt_sweep")
 STEP = _dtype("dpt_step")
 FORCE = _dtype("dpt_force_info")
@@ -110,6 +111,9 @@ class ForceFlag(IntFlag):
     BEHIND = 64
     APART = 128
     CROWDED = 256
+    RUPTURE = 512
+    INSERTED = 1024
+    CHANNELS_FULL = 2048
 
 
 class DeviceStatus(IntEnum):

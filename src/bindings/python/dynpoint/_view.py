@@ -8,12 +8,12 @@ import argparse
 import ctypes
 import html
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import threading
-import time
 import weakref
 import webbrowser
 from pathlib import Path
@@ -77,8 +77,8 @@ class View:
             shutil.rmtree(self._room, ignore_errors=True)
             self._room = None
         scene = self._scene() if self._scene else None
-        if scene is not None and not scene.closed and not scene.running:
-            scene.view_end()
+        if scene is not None and not scene.closed:
+            end_view(scene)
 
     def _repr_html_(self) -> str:
         """An iframe. From now on pages of NOTEBOOKS may frame this one; without the token they see nothing in it."""
@@ -106,7 +106,27 @@ class View:
         return f"<dynpoint.View of {self.title}: {'closed' if self.closed else f'port {self._server.server_port}'}>"
 
 
+def end_view(scene: Scene) -> None:
+    """What the closed view of a scene had there; while the scene runs it stays."""
+    try:
+        scene.view_end()
+    except RuntimeError:
+        pass
+
+
+def read_origins(frames: Iterable[str]) -> List[str]:
+    """Each is one source of a policy: a space in it would begin another one, a semicolon end the directive."""
+    if isinstance(frames, str):
+        raise ValueError(f"frames: wanted a list of origins, as [{frames!r}]")
+    origins = list(frames)
+    for origin in origins:
+        if not re.fullmatch(r"https?://[^\s;,]+", origin):
+            raise ValueError(f"frames: {origin!r} is no origin, as 'https://hub.example.org'")
+    return origins
+
+
 def view_scene(scene: Scene, device: Optional[str], title: str, control: bool, port: int, frames: Iterable[str]) -> View:
+    origins = read_origins(frames)
     first = scene.view_begin(os.fsencode(title), os.fsencode(device or ""), control)
     there = weakref.ref(scene)
 
@@ -120,7 +140,7 @@ def view_scene(scene: Scene, device: Optional[str], title: str, control: bool, p
             one.view_steer(x, y, z)
 
     try:
-        server = ViewServer([first], next_frame, steer if control else None, port=port, frames=frames)
+        server = ViewServer([first], next_frame, steer if control else None, port=port, frames=origins)
     except BaseException:
         scene.view_end()
         raise
@@ -180,16 +200,24 @@ def command(words: List[str]) -> int:
     if others:
         print(f"dynpoint view: {others[0]} needs libwebsockets (Debian: libwebsockets17)", file=sys.stderr)
         return 2
+    if chosen.seconds is not None and not chosen.seconds > 0:
+        print("dynpoint view: --for must be positive", file=sys.stderr)
+        return 2
     if _is_scene(chosen.what):
         return _show_scene(chosen)
     named = [word for name in ("mesh", "tool") if getattr(chosen, name) for word in (f"--{name}", getattr(chosen, name))]
     with View(ViewServer(_of_program([chosen.what, *named]), port=chosen.port), chosen.what) as view:
         _tell(view, chosen.open)
         try:
-            time.sleep(chosen.seconds if chosen.seconds else threading.TIMEOUT_MAX)
+            threading.Event().wait(_seconds(chosen))
         except KeyboardInterrupt:
             pass
     return 0
+
+
+def _seconds(chosen: argparse.Namespace) -> Optional[float]:
+    """None: until it is interrupted."""
+    return None if chosen.seconds is None or chosen.seconds > threading.TIMEOUT_MAX else float(chosen.seconds)
 
 
 def _tell(view: View, is_opened: bool) -> None:
@@ -205,8 +233,8 @@ def _show_scene(chosen: argparse.Namespace) -> int:
     try:
         with Scene(chosen.what, device, tool=chosen.tool) as scene:
             _tell(scene.view(control=chosen.control, port=chosen.port), chosen.open)
-            if chosen.seconds:
-                ends = threading.Timer(chosen.seconds, scene.stop)
+            if (seconds := _seconds(chosen)) is not None:
+                ends = threading.Timer(seconds, scene.stop)
                 ends.daemon = True
                 ends.start()
             try:

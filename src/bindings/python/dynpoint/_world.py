@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from . import _dynpoint
 from ._mesh import Mesh
-from ._structs import (CONTACT, FORCE, HIT, LOAD, SEGMENT, SPRINGS_INFO, STEP, SWEEP, TOOL_LOAD, WORLD_INFO, Floats, Force,
-                       Numbers, Records, room)
+from ._structs import (CHANNEL, CONTACT, FORCE, HIT, LOAD, SEGMENT, SPRINGS_INFO, STEP, SWEEP, TOOL_LOAD, WORLD_INFO,
+                       Floats, Force, Numbers, Records, room)
 
 
 def make_segments(a: Any, b: Any = None, radius: Any = 0.0) -> Records:
@@ -69,9 +69,12 @@ class World(_dynpoint.World):
             body.set_settings(**settings)
         return body
 
-    def add_deformable(self, mesh: Mesh, pose: Optional[Numbers] = None, **settings: Any) -> DeformableBody:
-        """A body whose vertices are moved. Keywords are those of dpt_deformable_def, as load_radius."""
-        return DeformableBody(self, mesh, pose, settings)
+    def add_deformable(self, mesh: Mesh, pose: Optional[Numbers] = None, *, compliances: Optional[npt.ArrayLike] = None,
+                       **settings: Any) -> DeformableBody:
+        """A body whose vertices are moved. Keywords are those of dpt_deformable_def, as load_radius. `compliances`, one a
+        vertex, are copied."""
+        return DeformableBody(self, mesh, pose, settings,
+                              None if compliances is None else np.ascontiguousarray(compliances, np.float32))
 
     def add_tool(self, a: Any, b: Any = None, radius: Any = 0.0, **settings: Any) -> Tool:
         """A tool of capsules, in its own frame: ends (3) or (n, 3), and radii."""
@@ -126,6 +129,12 @@ class Body(_Member, _dynpoint.Body):
     kinetic_friction: float = _setting("kinetic_friction", "of one that slips, at most the static one")
     stiffness: float = _setting("stiffness", "of the surface, N/m; 0: rigid")
     side_limit: float = _setting("side_limit", "how deep a tool may be behind an open sheet, m; 0: a quarter of its size")
+    puncture_force: float = _setting("puncture_force", "N, at which a piercing tool ruptures a wall; 0: by the toughness")
+    toughness: float = _setting("toughness", "J/m2, that it takes to open the material")
+    cutting_force: float = _setting("cutting_force", "N, at a tip that goes deeper, beside what the toughness gives")
+    shaft_friction: float = _setting("shaft_friction", "N for each metre of a shaft that is inside")
+    shaft_viscosity: float = _setting("shaft_viscosity", "Ns/m2, likewise for each m/s")
+    shaft_stiffness: float = _setting("shaft_stiffness", "N/m2, by which a shaft that sticks gives; 0: it slips")
     unfelt: int = _setting("unfelt", "1: to tools it is as if it were not there")
 
     @property
@@ -252,6 +261,7 @@ class Tool(_Member, _dynpoint.Tool):
     rotational_stiffness: float = _setting("rotational_stiffness", "Nm/rad; 0: as the stiffness says")
     damping: float = _setting("damping", "Ns/m")
     lock_rotation: int = _setting("lock_rotation", "1: the proxy does not turn away from the device")
+    piercing: Union[str, int] = _setting("piercing", 'the end that pierces: "none", "a" or "b"')
     near_only: int = _setting("near_only", "1: only segments that may be nearest are searched for")
 
     @property
@@ -316,6 +326,11 @@ class Tool(_Member, _dynpoint.Tool):
     def loads(self) -> Records:
         """Points at which bodies push it (TOOL_LOAD)."""
         return self._list("loads", TOOL_LOAD, 8)
+
+    @property
+    def channels(self) -> Records:
+        """Holes that it has made (CHANNEL): of a world with max_channels."""
+        return self._list("channels", CHANNEL, 8)
 
     def set_segments(self, a: Any, b: Any = None, radius: Any = 0.0) -> None:
         """Set it free: its segments in the world's frame, as many as it has."""

@@ -230,7 +230,7 @@ class World:
         `compliance` the tool feels the tissue give way between two of your steps."""
         members = [world.add_deformable(mesh, pose, **settings) for world in self.worlds]
         moved: Optional[List[Springs]] = None
-        if springs:
+        if springs is not None and springs is not False:
             given = springs if isinstance(springs, dict) else {}
             moved = [Springs(mesh, **given) for _ in members]
         bodies = DeformableBodies(self, members, moved, settings.get("compliance", 0) > 0)
@@ -256,10 +256,15 @@ class World:
         try:
             _dynpoint.step_batch(self.worlds, dt, self.threads, self._points, tuple(tool.rows for tool in self.tools),
                                  tuple(body.rows for body in self.bodies), self.results)
-        finally:
-            for body in self.bodies:
-                if isinstance(body, DeformableBodies):
-                    body.stepped()
+        except _dynpoint.Error:  # of an environment; any other exception is of a step that was not done
+            self._stepped()
+            raise
+        self._stepped()
+
+    def _stepped(self) -> None:
+        for body in self.bodies:
+            if isinstance(body, DeformableBodies):
+                body.stepped()
 
     def reset(self, which: Any = None) -> None:
         """Environments begin again, all or those of an index or a mask: tools jump to `pose`, bodies that give way are

@@ -12,8 +12,8 @@ Manifests are lines with tabs between; empty lines and those that begin with # a
     sweep    SCENE        OUT.npy   POSES.npy   SETTINGS     poses (n, 7), settings in JSON; out: wrenches (n, 6)
 
 The table of results has a line for each, in the manifest's order: what was read, OUT, a verdict (DPT_OK or an error's
-name), SHA-256 of OUT, seconds, and a note. It is the table of `dynpoint compile --list`; of compile the first four
-columns are the same, and so are the files.
+name), SHA-256 of OUT, seconds, and a note. It is as that of `dynpoint compile --list`, but for the first line, which has
+the settings; of compile the first four columns are the same, and so are the files.
 """
 from __future__ import annotations
 
@@ -36,12 +36,15 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Seq
 import numpy as np
 
 from . import _dynpoint
+from ._files import PART, whole
 from ._device import Device, Scene
 from ._mesh import Mesh, PathLike
 from ._structs import DEVICE_STATE
 from ._world import World
 
 OK, LOST = "DPT_OK", "LOST"
+# Of the machine, not of the job: the next call tries again.
+PASSING = (LOST, "DPT_E_SYSTEM", "DPT_E_MEMORY", "MemoryError")
 HEADER = "in\tout\tverdict\tsha256\tseconds\tnote\n"
 CELLS = {"compile": 2, "query": 3, "sweep": 4}
 # Deaths of workers that one job may be near to, before it is run with nobody beside it; and then of its own.
@@ -145,10 +148,8 @@ _CALLS = {"compile": _compile, "query": _query, "sweep": _sweep}
 
 def _put(path: str, content: bytes) -> None:
     """A file of that name is whole, whoever dies, and whoever else writes it."""
-    part = f"{path}.{os.getpid()}.part"
-    with open(part, "wb") as file:
-        file.write(content)
-    os.replace(part, path)
+    with whole(path) as part:
+        part.write_bytes(content)
 
 
 def _line(text: object) -> str:
@@ -169,7 +170,7 @@ def do(job: Job) -> Row:
             verdict, note = error.name, _line(error)
         except OSError as error:
             verdict, note = "DPT_E_SYSTEM", _line(error)
-        except (TypeError, ValueError, KeyError) as error:
+        except Exception as error:  # whatever a reader makes of a damaged file: the other jobs go on
             verdict, note = type(error).__name__, _line(error)
     if not note and said:
         note = _line(said[0].message)
@@ -335,7 +336,7 @@ def run(kind: str, manifest: PathLike, results: PathLike, *, workers: Optional[i
             raise ValueError(f"{results}: it is no table of these settings and this version: name another one")
         for row in read_table(results):
             job = by_out.get(row.out)
-            if job and row.source == job.source and row.verdict != LOST and (row.verdict != OK or _is_there(row)):
+            if job and row.source == job.source and row.verdict not in PASSING and (row.verdict != OK or _is_there(row)):
                 rows[row.out] = row
     kept = len(rows)
     _write_table(results, first, jobs, rows)
@@ -359,7 +360,7 @@ def _sweep_up(jobs: Sequence[Job]) -> None:
         names.setdefault(Path(job.out).parent, set()).add(Path(job.out).name)
     for folder, wanted in names.items():
         for path in folder.glob("*.part") if folder.is_dir() else ():
-            if path.name.rsplit(".", 2)[0] in wanted:
+            if PART.sub("", path.name) in wanted:
                 path.unlink(missing_ok=True)
 
 

@@ -8,6 +8,7 @@ comes back gives the same forces. docs/exports.md is the contract: what is sampl
 """
 from __future__ import annotations
 
+import errno
 import json
 import os
 import struct
@@ -21,6 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _dynpoint
+from ._files import whole
 from ._mesh import PathLike
 from ._recording import read_ticks
 from ._structs import RECORD, Records
@@ -93,7 +95,8 @@ class Take(NamedTuple):
 
     def save(self, path: PathLike) -> None:
         """The .dpr file."""
-        Path(path).write_bytes(self.header + _dynpoint.write_records(self.records) + self.pieces)
+        with whole(path) as part:
+            part.write_bytes(self.header + _dynpoint.write_records(self.records) + self.pieces)
 
 
 def from_arrays(header: bytes, arrays: Dict[str, npt.NDArray[Any]], pieces: bytes = b"") -> Take:
@@ -127,7 +130,7 @@ def to_hdf5(take: Take, path: PathLike) -> None:
     """/ticks/FIELD, (n, ...), with attributes unit, frame and when; /header and /pieces, bytes; what the header tells is
     in attributes of the file."""
     h5py = import_module("h5py")
-    with h5py.File(path, "w") as file:
+    with whole(path) as part, h5py.File(part, "w") as file:
         file.attrs.update(format="dynpoint recording", contract=CONTRACT, text=take.text, rate=take.rate,
                           began_ns=np.uint64(take.began_ns))
         ticks = file.create_group("ticks")
@@ -166,7 +169,7 @@ def to_mcap(take: Take, path: PathLike) -> None:
     """Messages of TYPE on TOPIC; their log time is time_ns, on the device's clock. The header's text is metadata
     `dynpoint`; header and pieces are attachments."""
     writer_module = import_module("mcap.writer")
-    with open(path, "wb") as file:
+    with whole(path) as part, open(part, "wb") as file:
         writer = writer_module.Writer(file)
         writer.start(profile="ros2", library=f"dynpoint {_dynpoint.version}")
         schema = writer.register_schema(name=TYPE, encoding="ros2msg", data=_ros_definition().encode())
@@ -229,15 +232,22 @@ def _statistics(array: npt.NDArray[Any]) -> Dict[str, List[float]]:
 def to_lerobot(takes: Sequence[Take], folder: PathLike, *, task: str = "touch", robot: str = "dynpoint") -> None:
     """A data set of the recordings, an episode each; `folder` must not be there. The rate of all must be one, a whole
     number. `timestamp` is frame_index / fps, as LeRobot wants it; when a sample was taken is dynpoint.time_ns."""
-    pa, pq = import_module("pyarrow"), import_module("pyarrow.parquet")
-    root = Path(folder)
     rates = {take.rate for take in takes}
     if len(rates) != 1 or not all(rate > 0 and rate == int(rate) for rate in rates):
         raise ValueError(f"the rates are {sorted(rates)} Hz: wanted one, a whole number")
     if not all(len(take.records) for take in takes):
         raise ValueError("a recording has no ticks")
-    root.mkdir(parents=True)
-    fps, begin, columns = int(rates.pop()), 0, [_columns(take) for take in takes]
+    if Path(folder).exists():
+        raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), os.fspath(folder))
+    Path(folder).parent.mkdir(parents=True, exist_ok=True)
+    with whole(folder) as part:
+        part.mkdir()
+        _write_set(takes, part, int(rates.pop()), task, robot)
+
+
+def _write_set(takes: Sequence[Take], root: Path, fps: int, task: str, robot: str) -> None:
+    pa, pq = import_module("pyarrow"), import_module("pyarrow.parquet")
+    begin, columns = 0, [_columns(take) for take in takes]
     tables, episodes = [], []
     for number, each in enumerate(columns):
         count = len(takes[number].records)

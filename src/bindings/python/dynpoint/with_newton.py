@@ -82,6 +82,7 @@ class Touch:
         self.bodies: List[Body] = [self.world.add_body(mesh, _unit(_pose(places[number])), **settings)
                                    for number, mesh in bodies]
         self.tool = self.world.add_tool(segments, **(tool_settings or {}))
+        self.is_placed = False
         self.wrench: Floats = np.zeros(6)
         self.mean_wrench: Floats = np.zeros(6)
         self.body_wrenches: Floats = np.zeros((len(bodies), 6))
@@ -99,12 +100,16 @@ class Touch:
             state.body_f.assign(wrenches.astype(np.float32))
 
     def feel(self, state: Any, pose: Numbers) -> None:
-        """Positions after a step, and where the device is by its end; dynpoint's ticks on the way."""
+        """Positions after a step, and where the device is by its end; dynpoint's ticks on the way. The first time the
+        tool jumps there."""
         goal = np.asarray(pose, np.float64)
         goal = np.concatenate((goal, (1.0, 0.0, 0.0, 0.0))) if len(goal) == 3 else goal
         if self.tissue:
             self.tissue.give(state.particle_q.numpy())
         places = state.body_q.numpy() if self.bodies else ()
+        if not self.is_placed:
+            self.tool.teleport(goal)
+            self.is_placed = True
         begin, starts = self.tool.pose, [body.pose for body in self.bodies]
         self.mean_wrench[:] = 0
         self.body_wrenches[:] = 0

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files that are whole when they have their name."""
+from __future__ import annotations
+
+import os
+import re
+import secrets
+import shutil
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Iterator
+
+from ._mesh import PathLike
+
+# What is behind a name until the file is whole.
+PART = re.compile(r"\.[0-9]+-[0-9a-f]{8}\.part$")
+
+
+@contextmanager
+def whole(path: PathLike) -> Iterator[Path]:
+    """What to write to in place of `path`, a file or a folder: it gets that name at the block's end. After an exception
+    nothing is left of it, and what had the name before still has it. A link, a pipe and a device are written to as they
+    are."""
+    path = Path(path)
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        yield path
+        return
+    part = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}.part")
+    try:
+        yield part
+        if path.exists():
+            shutil.copymode(path, part)
+        os.replace(part, path)
+    except BaseException:
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        else:
+            part.unlink(missing_ok=True)
+        raise
