@@ -8,7 +8,7 @@ const { launch, until } = require("./chromium.js");
 const { check, near, finish, assert, scripts, tools } = require("./verdicts.js");
 const { pageWriter, visitRecording, seek, pixel, view } = require("./page_sights.js");
 const fixture = require("./stream_fixture.js");
-const { scale } = scripts("scale");
+const { scale, instruments } = scripts("scale", "rays", "instruments");
 const [template, room] = process.argv.slice(2);
 const write = pageWriter(template, room);
 
@@ -64,6 +64,19 @@ async function eyes() {
         );
       assert.deepStrictEqual(close, []);
     });
+  for (const theme of ["light", "dark"])
+    await check(`${theme}: no part of an instrument has the colour of device or proxy`, () => {
+      const colours = palette(theme);
+      const parts = new Set(Object.values(instruments.LOOKS).flatMap(all => all.map(({ of }) => of)));
+      assert(parts.size > 3);
+      for (const part of parts)
+        for (const other of ["device", "proxy"])
+          for (const eye in EYES) {
+            const [a, b] = [part, other].map(name => seenBy(eye, colours[name]));
+            const apart = Math.hypot(...a.map((value, k) => value - b[k]));
+            assert(apart >= 15, `${part} and ${other}: ${apart.toFixed(1)} (${eye})`);
+          }
+    });
   await check("colours of depth grow lighter for every kind of eye", () => {
     for (const eye in EYES) {
       const lights = [0, 0.25, 0.5, 0.75, 1].map(part => seenBy(eye, scale.colour(part).map(value => linear(value / 255)))[0]);
@@ -86,8 +99,7 @@ async function marks(page) {
     const half = fixture.TOOL.radius + Math.sqrt(2 * fixture.TOOL.radius * fixture.DEEPEST);
     const { depth } = await page.ask("dynpoint.scales()");
     const near = await read(150, -0.0075); // beside the tool, which is 4 mm thick
-    const pressure = Math.sqrt(1 - (0.0075 / half) ** 2);
-    const wanted = scale.colour((fixture.DEEPEST * pressure) / depth);
+    const wanted = scale.colour(fixture.DEEPEST / depth);
     const apart = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
     const free = await read(20, -0.0075);
     assert(apart(near, wanted) < 0.5 * apart(free, wanted), `${near} is not ${wanted}; free ${free}`);
@@ -96,7 +108,58 @@ async function marks(page) {
   });
 }
 
+// At frame 150, in the middle of the deeper contact, beside the tool.
+async function marksOf(page, change) {
+  await seek(page, 150);
+  await view(page, "5");
+  const { middle, tube } = fixture.RING;
+  const [[, from], [, to]] = fixture.placesAt(150).device;
+  const y = from + 0.4 * (to - from);
+  const x = middle - 0.0075;
+  await page.ask(`${change}, viewer.own.view.draw(true), 0`);
+  const seen = await pixel(page, [x, y, Math.sqrt(tube ** 2 - (Math.hypot(x, y) - middle) ** 2)]);
+  await page.ask("delete viewer.own.view.patches, viewer.own.view.dirty = true, 0");
+  return seen;
+}
+
+async function places(page) {
+  const apart = (a, b) => Math.hypot(...a.map((value, k) => value - b[k]));
+  const changed = change =>
+    `viewer.own.view.patches = function () {
+      return this.constructor.prototype.patches.call(this).map(patch => ({ ...patch, ${change} }));
+    }`;
+  await check("a contact marks the body that it touches, on the side that it touches, and nothing else", async () => {
+    const marked = await marksOf(page, "0");
+    const bare = await marksOf(page, "viewer.own.view.patches = () => []");
+    assert(apart(marked, bare) > 40, `${marked}, without ${bare}`);
+    const lower = end => `${end}: patch.${end}.map((value, k) => value - 0.02 * (k === 2))`; // 15 mm below the surface
+    for (const change of ["number: 1", "normal: patch.normal.map(value => -value)", `${lower("a")}, ${lower("b")}`])
+      assert(apart(await marksOf(page, changed(change)), bare) < 6, `${change}: marked`);
+  });
+  await check("a contact's gap that is no number, or endless, leaves scales and depths finite", async () => {
+    const found = await page.ask(`[NaN, -Infinity].map(gap => {
+      const { snapshot } = viewer.own.frame;
+      return depths.ofContact(snapshot, { ...snapshot.contacts[0], gap });
+    })`);
+    assert(found.every(value => Number.isFinite(value)), found.join());
+    const most = await page.ask(`(body => {
+      const endless = body.mesh.positions.map((value, i) => (i === 4 ? Infinity : value));
+      return body.mostMovedOf(endless);
+    })(viewer.own.view.bodies.get(12))`);
+    assert.strictEqual(most, 0);
+  });
+}
+
 async function deformation(page) {
+  await check("deformation has one scale for all frames, also before they are shown, and no marks", async () => {
+    await seek(page, 4);
+    await page.key("o");
+    await page.settle();
+    near((await page.ask("dynpoint.scales()")).moved, 0.02, 1e-9, "0.4 of 30 mm, rounded up:");
+    const bare = await marksOf(page, "viewer.own.view.patches = () => []");
+    near(await marksOf(page, "0"), bare, 1);
+    await page.key("o");
+  });
   await check("colours say how far a surface has moved, on request, and go again", async () => {
     await seek(page, 31);
     await view(page, "1");
@@ -125,6 +188,7 @@ async function deformation(page) {
   const browser = launch(room);
   const page = await visitRecording(browser, write("ring", fixture.stream()), fixture.FRAMES);
   await marks(page);
+  await places(page);
   await deformation(page);
   assert.deepStrictEqual(page.said, []);
   await browser.close();

@@ -47,12 +47,21 @@ async function rods() {
 
 async function drawn(browser) {
   const far = fixture.TOOL.to.map((value, k) => value + [0, 25 * fixture.TOOL.radius, fixture.TOOL.radius][k]); // past its end
-  const seen = {};
+  const [seen, ends, words] = [{}, {}, {}];
   let grip = null;
   for (const look of [null, "stylus"]) {
     const page = await visitRecording(browser, write(`look-${look}`, fixture.stream({ look })), fixture.FRAMES);
     await seek(page, 150);
     await view(page, "5");
+    ends[look] = await page.ask(`(view => {
+      const { snapshot, width, height } = view;
+      const { centre, radius } = view.bounds();
+      const all = toolView.dressOf(snapshot, snapshot.tools[0], view.scales.look).flatMap(({ a, b }) => [a, b]);
+      const near = all.filter(place => rays.length(rays.sub(place, centre)) < 1.5 * radius);
+      const isOut = ([x, y]) => x < 0 || y < 0 || x > width || y > height;
+      return [all.length, near.length, near.map(place => view.project(place)).filter(isOut).length];
+    })(viewer.own.view)`);
+    words[look] = await page.ask("document.getElementById('dressed').checkVisibility()");
     for (let i = 0; i < 5; i++) await page.key("-");
     grip = await colour(page, "grip");
     seen[look] = await pixel(page, far);
@@ -62,6 +71,11 @@ async function drawn(browser) {
   await check("a stylus has a handle behind what is felt; without a look there is none", () => {
     assert(likeness(seen.stylus, grip) > 0.96 && seen.stylus[0] < 160, `${seen.stylus}`);
     assert(seen.null[0] > 200, `${seen.null}`);
+    assert.deepStrictEqual(words, { null: false, stylus: true }, "and the legend says that it is for the eye alone");
+  });
+  await check("the camera takes in what is near of it", () => {
+    assert(ends.null[0] === 0 && ends.stylus[0] === 6 && ends.stylus[1] > 2, JSON.stringify(ends));
+    assert.strictEqual(ends.stylus[2], 0, JSON.stringify(ends));
   });
 }
 

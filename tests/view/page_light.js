@@ -158,6 +158,98 @@ async function veil(browser) {
     assert(hidden[2] > 3 * hidden[0], `the sheet hides it without: ${hidden}`);
     assert(tool[2] < 0.75 * hidden[2] && tool[0] > 1.2 * hidden[0], `${tool}, hidden it is ${hidden}`);
   });
+  await page.ask("delete viewer.own.view.veilSheets, viewer.own.view.isVeilDue = true, viewer.own.view.draw(true), 0");
+  await check("sheets are asked for with a frame and when the camera rests, not with each picture", async () => {
+    const asked = await page.ask(`(async () => {
+      const { view } = viewer.own;
+      let count = 0;
+      view.veilSheets = () => (count++, view.constructor.prototype.veilSheets.call(view));
+      for (let i = 0; i < 3; i++) (view.dirty = true), view.draw(false);
+      const drawn = count;
+      view.camera.rotate(0.01, 0);
+      for (let i = 0; i < 400 && count === 0; i++) await new Promise(done => setTimeout(done, 50));
+      await new Promise(done => setTimeout(done, 500));
+      delete view.veilSheets;
+      return [drawn, count];
+    })()`);
+    assert.deepStrictEqual(asked, [0, 1]);
+  });
+  await browser.leave(page);
+}
+
+// What a scene leaves behind, a picture without a size, and labels of a picture that is saved.
+async function scenes(browser) {
+  const page = await visitRecording(browser, write("scenes", fixture.stream()), fixture.FRAMES);
+  await until("its shade", () => page.ask("viewer.own.view.bake.isDone"));
+  await check("when the shade is whole, edges are judged anew", async () => {
+    const begun = await page.ask(`(async () => {
+      const { begin } = smoothing.Smoothing.prototype;
+      let count = 0;
+      smoothing.Smoothing.prototype.begin = function (...given) { count++; begin.apply(this, given); };
+      const { view } = viewer.own;
+      const parts = [...view.bodies.values()].map(body => ({
+        view: body,
+        places: body.places(),
+        normals: body.normalsInScene(),
+        corners: body.mesh.corners,
+        isClosed: true,
+      }));
+      view.bake = new occlusion.Bake(parts);
+      while (!view.bake.isDone) await new Promise(requestAnimationFrame);
+      await new Promise(requestAnimationFrame);
+      smoothing.Smoothing.prototype.begin = begin;
+      return count;
+    })()`);
+    assert.strictEqual(begun, 1);
+  });
+  await check("a scene that goes leaves nothing behind", async () => {
+    const [gone, before, after] = await page.ask(`(() => {
+      const { view } = viewer.own;
+      let gone = 0;
+      for (const { object } of view.bodies.values()) object.material.addEventListener("dispose", () => gone++);
+      view.box.material.addEventListener("dispose", () => gone++);
+      view.draw(true);
+      const count = () => view.renderer.info.memory.geometries;
+      const before = count();
+      for (let i = 0; i < 3; i++) view.setScene(viewer.own.scene), view.draw(true);
+      return [gone, before, count()];
+    })()`);
+    assert.strictEqual(gone, 3);
+    assert(after <= before, `${before} geometries, then ${after}`);
+  });
+  await check("a picture without a size has a camera all the same, and is fitted once it has one", async () => {
+    const [hidden, shown, wanted] = await page.ask(`(() => {
+      const { view, scene } = viewer.own;
+      view.fit(false);
+      const wanted = view.camera.state.distance;
+      Object.defineProperty(view.canvas, "clientWidth", { value: 0, configurable: true });
+      view.width = view.height = undefined;
+      view.setScene({ ...scene, title: "another" });
+      const hidden = { ...view.camera.state };
+      delete view.canvas.clientWidth;
+      view.draw(true);
+      return [hidden, { ...view.camera.state }, wanted];
+    })()`);
+    for (const { target, distance } of [hidden, shown])
+      assert([...target, distance].every(value => Number.isFinite(value)), JSON.stringify([hidden, shown]));
+    near(shown.distance, wanted, 0.3 * wanted);
+  });
+  await check("a pan before the first frame stays", async () => {
+    const moved = await page.ask(`(() => {
+      const { view, scene, frame } = viewer.own;
+      view.setScene({ ...scene, title: "a third" });
+      view.camera.pan(50, 0);
+      const before = [...view.camera.state.target];
+      view.show(frame.snapshot, new Map());
+      return view.camera.state.target.map((value, k) => value - before[k]);
+    })()`);
+    near(moved, [0, 0, 0], 1e-12);
+  });
+  await check("a picture that is saved is followed by one for the labels", async () => {
+    const isDirty = "(view => (view.draw(true), view.picture(), view.dirty))(viewer.own.view)";
+    assert.strictEqual(await page.ask(isDirty), true);
+  });
+  assert.deepStrictEqual(page.said, []);
   await browser.leave(page);
 }
 
@@ -168,6 +260,7 @@ async function veil(browser) {
   await shadows(browser);
   await looks(browser);
   await veil(browser);
+  await scenes(browser);
   await browser.close();
   finish();
 })().catch(error => {

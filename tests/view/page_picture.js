@@ -141,6 +141,13 @@ async function drawing(page) {
     assert(bar > 20 && bar <= 70.1, `${bar} pixels`);
     await seek(page, 20);
     assert.strictEqual(await page.ask("document.querySelectorAll('#labels span').length"), 0, "a tool that is free has no value");
+    const labels = await page.ask(`(root => {
+      const arrows = [0.0049, 0.0051].map(newtons => ({ ...${JSON.stringify({ from, to })}, newtons }));
+      const { view } = viewer.own;
+      new arrowLabels.ArrowLabels(root).show({ tools: { arrows }, edges: view.edges, project: at => view.project(at) });
+      return [...root.children].map(({ textContent }) => textContent);
+    })(document.createElement("div"))`);
+    assert.deepStrictEqual(labels, ["0.01 N"], "no value that reads as nothing");
     await seek(page, 150);
   });
   await check("the nearest pair is a line from the axis to the mesh", async () => {

@@ -52,6 +52,15 @@ async function playing(page) {
     await page.key("]");
     await page.key("]");
   });
+  await check("what the plots call depth is the coupling where a proxy holds the tool", async () => {
+    assert.strictEqual(await page.ask("viewer.plot.layout()[1].label"), "Coupling");
+    assert.strictEqual(
+      await page.ask("document.getElementById('plots').getAttribute('aria-label')"),
+      "Force, coupling, energy and lateness over time",
+    );
+    const words = await page.ask("[0, 1, 2].map(law => readouts.depthWord({ law }))");
+    assert.deepStrictEqual(words, ["Depth", "Depth", "Coupling"]);
+  });
   await check("a reason of no force is said; a frame at rest costs no drawing", async () => {
     await seek(page, 20);
     assert.strictEqual(await page.readout("reason"), "free: it touches nothing");
@@ -192,6 +201,33 @@ async function looks(page) {
       const { cut: longCut } = await page.call(textsOf, { near: "-1234.567 mm", torque: "12345.6 mN m", dropped: "123,456,789" });
       assert.deepStrictEqual(longCut, []);
     });
+  await check("buttons as high as fingers need them leave one another, and the scene's places, clear", async () => {
+    await page.size(390, 844, true);
+    await seek(page, 150);
+    const { apart, bottom, low } = await page.call(() => {
+      const [views, deformation] = ["views", "deformation"].map(id => document.getElementById(id));
+      for (const button of views.children) button.style.minHeight = "60px";
+      const stage = document.getElementById("stage").getBoundingClientRect();
+      const top = deformation.getBoundingClientRect().top;
+      viewer.own.view.fit(false);
+      viewer.own.view.draw(true);
+      const { view } = viewer.own;
+      const heights = [...view.bodies.values()].flatMap(body =>
+        Array.from({ length: body.mesh.vertices }, (_, i) => {
+          const at = body.positions.subarray(3 * i, 3 * i + 3);
+          return view.project(body.toScene([...at]))[1];
+        }),
+      );
+      const found = {
+        apart: views.getBoundingClientRect().top - deformation.getBoundingClientRect().bottom,
+        bottom: top - stage.top,
+        low: Math.max(...heights),
+      };
+      for (const button of views.children) button.style.minHeight = "";
+      return found;
+    });
+    assert(apart >= 4 && low <= bottom, `${apart} apart; the scene reaches to ${low}, the buttons begin at ${bottom}`);
+  });
   await page.size(1280, 800);
   await check("on a narrow screen all is there, one below the other, and nothing is wider than it", async () => {
     await page.size(390, 844, true);

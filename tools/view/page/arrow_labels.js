@@ -3,7 +3,8 @@
 "use strict";
 const arrowLabels = (() => {
   const BEYOND = 12; // pixels from the arrow's end
-  const EDGE = { left: 4, right: 4, top: 52, bottom: 44 }; // pixels
+  const SIDE = 4; // pixels to the picture's edge
+  const LEAST = 0.005; // N: less has no value
   const clamp = (value, least, most) => Math.max(least, Math.min(most, value));
   const valueOf = newtons => `${newtons.toFixed(newtons < 10 ? 2 : 1)} N`;
 
@@ -14,13 +15,14 @@ const arrowLabels = (() => {
 
     // view: a SceneView that has drawn
     show(view) {
-      const { arrows } = view.tools;
+      const arrows = view.tools.arrows.filter(({ newtons }) => newtons >= LEAST);
+      const { top, bottom } = view.edges();
       while (this.root.children.length < arrows.length) this.root.append(document.createElement("span"));
       while (this.root.children.length > arrows.length) this.root.lastChild.remove();
-      arrows.forEach((arrow, i) => this.place(this.root.children[i], arrow, view));
+      arrows.forEach((arrow, i) => this.place(this.root.children[i], arrow, view, top, bottom));
     }
 
-    place(label, { from, to, newtons }, view) {
+    place(label, { from, to, newtons }, view, top, bottom) {
       const [begin, end] = [from, to].map(place => view.project(place));
       label.hidden = !begin || !end;
       if (label.hidden) return;
@@ -31,9 +33,9 @@ const arrowLabels = (() => {
       const half = [label.offsetWidth / 2, label.offsetHeight / 2];
       const out = BEYOND + Math.abs(way[0] * by) * half[0] + Math.abs(way[1] * by) * half[1];
       const high = end[1] + out * way[1] * by;
-      const y = clamp(high, EDGE.top + half[1], view.height - EDGE.bottom - half[1]);
+      const y = clamp(high, top + half[1], view.height - bottom - half[1]);
       const aside = y === high ? 0 : half[0] + BEYOND; // beside an arrow that reaches the edge
-      const x = clamp(end[0] + out * way[0] * by + aside, EDGE.left + half[0], view.width - EDGE.right - half[0]);
+      const x = clamp(end[0] + out * way[0] * by + aside, SIDE + half[0], view.width - SIDE - half[0]);
       label.style.transform = `translate(${(x - half[0]).toFixed(1)}px, ${(y - half[1]).toFixed(1)}px)`;
     }
   }

@@ -49,7 +49,7 @@ const bodyView = (() => {
       position.needsUpdate = normal.needsUpdate = true;
     }
 
-    // How far each vertex is from where the mesh has it, for the shader; returns the most, m.
+    // How far each vertex is from where the mesh has it, for the shader.
     measureMoved() {
       const { geometry } = this.object;
       if (!geometry.attributes.moved) {
@@ -58,14 +58,23 @@ const bodyView = (() => {
       }
       const { moved } = geometry.attributes;
       const [now, rest] = [this.positions, this.mesh.positions];
-      let most = 0;
       for (let i = 0, k = 0; i < now.length; i += 3, k++) {
         const by = Math.hypot(now[i] - rest[i], now[i + 1] - rest[i + 1], now[i + 2] - rest[i + 2]);
-        moved.array[k] = by;
-        if (by > most) most = by;
+        moved.array[k] = by < Infinity ? by : 0;
       }
       moved.needsUpdate = true;
-      return most;
+    }
+
+    // The most of it for vertices of this body, m.
+    mostMovedOf(own) {
+      const rest = this.mesh.positions;
+      if (own.length !== rest.length) return 0;
+      let most = 0;
+      for (let i = 0; i < own.length; i += 3) {
+        const square = (own[i] - rest[i]) ** 2 + (own[i + 1] - rest[i + 1]) ** 2 + (own[i + 2] - rest[i + 2]) ** 2;
+        if (square > most && square < Infinity) most = square;
+      }
+      return Math.sqrt(most);
     }
 
     toScene(place) {
@@ -126,6 +135,7 @@ const bodyView = (() => {
 
     dispose() {
       this.object.geometry.dispose();
+      this.object.material.dispose();
     }
   }
 

@@ -12,7 +12,7 @@ const depths = (() => {
   function ofContact(snapshot, contact) {
     const { a, b, proxyA, proxyB } = segmentOf(snapshot, contact);
     const held = rays.sub(rays.along(proxyA, proxyB, contact.s), rays.along(a, b, contact.s));
-    return Math.max(0, -contact.gap, rays.dot(held, contact.normal) || 0);
+    return Math.max(0, ...[-contact.gap, rays.dot(held, contact.normal)].filter(Number.isFinite));
   }
 
   /*

@@ -21,7 +21,7 @@ const instruments = (() => {
     needle: [
       part(tip(-5), tip(0), [0, 0.95], "steel", { round: 0 }),
       part(past(0), past(4), [0.8, 0.8], "steel"),
-      part(past(3), past(7), [1.6, 3], "accent", { round: 0 }), // hub
+      part(past(3), past(7), [1.6, 3], "trim", { round: 0 }), // hub
       part(past(7), past(27), [4, 4], "glass", { round: 0.3 }), // barrel
       part(past(27), past(28), [6.5, 6.5], "glass", { flat: 0.5, round: 0.3 }),
       part(past(28), past(36), [1.5, 1.5], "glass"),
@@ -37,7 +37,7 @@ const instruments = (() => {
       part(tip(-7, 2), tip(1, 0.3), [0.5, 0.8], "steel", { flat: 0.8 }), // jaws
       part(tip(-7, -2), tip(1, -0.3), [0.5, 0.8], "steel", { flat: 0.8 }),
       part(past(0), past(22), [1, 1], "steel"),
-      part(past(20), past(23), [2.4, 2.4], "accent", { round: 0.4 }), // wheel that turns the shaft
+      part(past(20), past(23), [2.4, 2.4], "trim", { round: 0.4 }), // wheel that turns the shaft
       part(past(23), past(34), [1.8, 2.6], "grip"),
       part(past(30, 1), past(36, 12), [1.5, 1.4], "grip"), // the two grips
       part(past(33, 0), past(46, 5), [2, 1.5], "grip"),
@@ -47,7 +47,7 @@ const instruments = (() => {
       part(past(0), past(14), [1, 1], "steel"),
       part(past(13), past(17), [2.2, 2.6], "steel", { round: 0.2 }),
       part(past(16, 0), past(18, 8), [0.9, 0.9], "steel"), // where its light comes in
-      part(past(17), past(21), [3.4, 3.4], "accent", { round: 0.3 }),
+      part(past(17), past(21), [3.4, 3.4], "trim", { round: 0.3 }),
       part(past(21), past(33), [3.8, 3.4], "grip", { round: 0.4 }), // camera
       part(past(33), past(41), [1, 1], "grip"),
     ],

@@ -43,6 +43,21 @@ const plots = (() => {
       this.stale = true;
     }
 
+    // Of the plot of this name. True if it is new.
+    setLabel(name, label) {
+      const kind = KINDS.find(one => one.name === name);
+      if (kind.label === label) return false;
+      kind.label = label;
+      this.stale = true;
+      return true;
+    }
+
+    // What is plotted, in words.
+    get words() {
+      const labels = this.kinds.map(({ label }, i) => (i === 0 ? label : label.toLowerCase()));
+      return `${new Intl.ListFormat("en-GB").format(labels)} over time`;
+    }
+
     setWindow(from, to) {
       if (from === this.from && to === this.to) return;
       this.from = from;

@@ -35,6 +35,9 @@ const readouts = (() => {
       ? snapshot.segments[tool.firstSegment + tool.nearestSegment]
       : undefined;
 
+  // What the ticks' depth is of this tool: held by a proxy, how far device and proxy are apart.
+  const depthWord = tool => (tool?.law === PROXY ? "Coupling" : "Depth");
+
   // Why there is no force: of the last tick, if that failed.
   function reasonOf(tool, last) {
     const reason = last?.reason === FAILED ? FAILED : (tool?.reason ?? 0);
@@ -54,7 +57,6 @@ const readouts = (() => {
     const segment = segmentOf(snapshot, tool);
     const last = frame.ticks[frame.ticks.length - 1];
     const force = tool ? rays.length(tool.wrench.slice(0, 3)) : NaN;
-    const known = segment && segment.flags & depths.KNOWN;
     const depth = depths.ofTool(snapshot, index, segment, last);
     const gap = depths.gapOf(segment);
     const left = LEFT_OUT.filter(([bit]) => snapshot.flags & bit)
@@ -66,7 +68,6 @@ const readouts = (() => {
       contact: segment ? word(CONTACT, segment.contact) : "\u2013",
       near: depth !== null ? millimetres(depth) : gap !== null ? millimetres(gap) : "\u2013",
       nearWord: depth !== null ? "depth" : "gap",
-      gap: known ? millimetres(segment.gap) : "\u2013",
       distance: segment ? millimetres(segment.distance) : "\u2013",
       force: fixed(force, 2, "N"),
       torque: tool ? fixed(1e3 * rays.length(tool.wrench.slice(3)), 1, "mN m") : "\u2013",
@@ -114,5 +115,5 @@ const readouts = (() => {
     }
   }
 
-  return { Readouts, texts, coordinates, time };
+  return { Readouts, texts, depthWord, coordinates, time };
 })();

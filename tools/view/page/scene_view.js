@@ -7,7 +7,9 @@ const sceneView = (() => {
   const SMOOTH = 20000; // triangles: a larger scene has no multisampling anywhere
   const SMOOTH_RATIO = 2; // pixels drawn for one of the picture, along each side, where edges are made smooth by that
   const PROCESSOR = /SwiftShader|llvmpipe|softpipe|Basic Render|Software/i;
-  const EDGE = { side: 24, top: 56, bottom: 50 }; // pixels that the legend and the buttons have
+  const SIDE = 24; // pixels that stay free at the left and at the right
+  const ROOM = 12; // pixels between what is seen and the legend or the buttons
+  const REST = 150; // ms without a move of the eye
   const LEAST_MOVED = 1e-4; // m: the least end of the deformation's colours
   const UNIT_BOX = [-1, -1, -1, 1, 1, 1];
   const COLOURS = [
@@ -22,7 +24,7 @@ const sceneView = (() => {
     "rim",
     "steel",
     "grip",
-    "accent",
+    "trim",
     "glass",
     "strip",
     "picked",
@@ -30,12 +32,19 @@ const sceneView = (() => {
     "handle",
   ];
 
+  let rendererName = null;
+
   function isDrawnByProcessor() {
+    rendererName ??= nameOfRenderer();
+    return PROCESSOR.test(rendererName);
+  }
+
+  function nameOfRenderer() {
     const gl = document.createElement("canvas").getContext("webgl2");
     const names = gl?.getExtension("WEBGL_debug_renderer_info");
     const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
     gl?.getExtension("WEBGL_lose_context")?.loseContext();
-    return PROCESSOR.test(name);
+    return name;
   }
 
   // null where the browser has no WebGL.
@@ -51,13 +60,16 @@ const sceneView = (() => {
   }
 
   class SceneView {
-    constructor(canvas, renderer, scene) {
+    // edges: () => { top, bottom }: pixels that legend and buttons have
+    constructor(canvas, renderer, scene, edges) {
       this.canvas = canvas;
+      this.edges = edges;
       this.renderer = renderer;
       this.three = new THREE.Scene();
       this.camera = new camera.Camera(() => {
         this.dirty = true;
       });
+      this.eye = new THREE.Vector3(); // where it was when it last moved
       this.sun = new THREE.DirectionalLight(0xffffff, 2.1);
       this.three.add(new THREE.HemisphereLight(0xffffff, 0x8c92a4, 1.6), this.sun, this.sun.target);
       this.light = surfaceLight.sharedUniforms();
@@ -103,9 +115,11 @@ const sceneView = (() => {
       const closed = scene.meshes.map(({ corners }) => rays.isClosed(corners));
       const edges = scene.meshes.map(surfaceLight.usualEdge);
       this.bodies = new Map(
-        scene.bodies.map(body => {
-          const material = surfaceLight.materialOf(this.light, body.look, !closed[body.mesh], edges[body.mesh]);
-          return [body.id, new BodyView(body, scene.meshes[body.mesh], material, !closed[body.mesh])];
+        scene.bodies.map((body, number) => {
+          const isSheet = !closed[body.mesh];
+          const form = { look: body.look, bothSides: isSheet, edge: edges[body.mesh], number };
+          const material = surfaceLight.materialOf(this.light, form);
+          return [body.id, new BodyView(body, scene.meshes[body.mesh], material, isSheet)];
         }),
       );
       this.bake = new occlusion.Bake(
@@ -120,7 +134,11 @@ const sceneView = (() => {
           })),
       );
       for (const view of this.bodies.values()) this.three.add(view.object);
-      if (this.box) this.three.remove(this.box);
+      if (this.box) {
+        this.three.remove(this.box);
+        this.box.geometry.dispose();
+        this.box.material.dispose();
+      }
       this.box = this.workspaceBox(scene.device?.workspace);
       if (this.box) this.three.add(this.box);
       this.scene = scene;
@@ -129,10 +147,14 @@ const sceneView = (() => {
       this.camera.up = scene.up;
       this.readColours();
       this.show(null, new Map());
-      if (again) return;
+      if (!again) this.setCamera();
+    }
+
+    // As the scene has it, else so that all is seen.
+    setCamera() {
       this.fit(false);
-      if (scene.camera) this.camera.place(scene.camera);
-      this.isFresh = !scene.camera;
+      if (this.scene.camera) this.camera.place(this.scene.camera);
+      this.isFresh = !this.scene.camera;
       this.fitted = { ...this.camera.state };
     }
 
@@ -140,7 +162,8 @@ const sceneView = (() => {
     fitTool() {
       const { fitted, camera } = this;
       this.isFresh = false;
-      if (["distance", "azimuth", "elevation"].every(name => fitted[name] === camera.state[name])) this.fit(false);
+      const isThere = ["distance", "azimuth", "elevation"].every(name => fitted[name] === camera.state[name]);
+      if (isThere && fitted.target.every((value, k) => value === camera.state.target[k])) this.fit(false);
     }
 
     workspaceBox(box) {
@@ -185,6 +208,7 @@ const sceneView = (() => {
       }
       this.strip.show(strip);
       this.showPicked();
+      this.veilSheets();
       this.dirty = true;
       if (this.isFresh && snapshot?.segments.length > 0) this.fitTool();
     }
@@ -217,9 +241,13 @@ const sceneView = (() => {
       };
     }
 
-    // direction: { azimuth, elevation }, or what it is now
+    // direction: { azimuth, elevation }, or what it is now. A picture without a size is fitted when it has one.
     fit(smooth, direction = this.camera.state) {
       this.resize();
+      if (!this.width) {
+        this.isUnfitted = true;
+        return;
+      }
       const all = this.places();
       const { centre, radius } = this.bounds(all);
       this.scales.radius = radius;
@@ -229,9 +257,12 @@ const sceneView = (() => {
         proxyB,
         proxyA.map((value, k) => value + above[k]), // a force upward at the tip
       ]);
+      for (const tool of this.snapshot?.tools ?? [])
+        ends.push(...toolView.dressOf(this.snapshot, tool, this.scales.look).flatMap(({ a, b }) => [a, b]));
       const near = ends.filter(place => rays.isPlace(place) && rays.length(rays.sub(place, centre)) < 1.5 * radius);
       const whole = Float32Array.from([...all.flatMap(places => [...places]), ...near.flat()]);
-      const free = (pixels, of) => Math.max(0.3, 1 - (2 * pixels) / Math.max(1, of));
+      const free = (pixels, of) => Math.max(0.3, 1 - (2 * pixels) / of);
+      const { top, bottom } = this.edges();
       const { azimuth, elevation } = direction;
       this.camera.fit(
         whole,
@@ -239,10 +270,10 @@ const sceneView = (() => {
         radius,
         { azimuth, elevation },
         {
-          left: free(EDGE.side, this.width),
-          right: free(EDGE.side, this.width),
-          top: free(EDGE.top, this.height),
-          bottom: free(EDGE.bottom, this.height),
+          left: free(SIDE, this.width),
+          right: free(SIDE, this.width),
+          top: free(top + ROOM, this.height),
+          bottom: free(bottom + ROOM, this.height),
         },
         smooth,
       );
@@ -274,44 +305,53 @@ const sceneView = (() => {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
       this.camera.resize(width, height);
+      if (!this.isUnfitted) return;
+      this.isUnfitted = false;
+      this.setCamera();
+    }
+
+    // Vertices of a frame, shown or not: the colours' scale is that of all frames so far.
+    noteMoved(own) {
+      for (const [id, vertices] of own)
+        this.mostMoved = Math.max(this.mostMoved, this.bodies.get(id)?.mostMovedOf(vertices) ?? 0);
     }
 
     // Colours of how far the surfaces have moved, if they are asked for.
     showDeformation() {
-      let most = 0;
       for (const view of this.bodies.values()) {
-        if (this.showsDeformation) most = Math.max(most, view.measureMoved());
+        if (this.showsDeformation) view.measureMoved();
         surfaceLight.setDeformation(view.object.material, this.showsDeformation);
       }
-      this.mostMoved = Math.max(this.mostMoved, most);
       this.scales.moved = scale.roundUp(Math.max(LEAST_MOVED, this.mostMoved));
       this.light.movedScale.value = this.scales.moved;
     }
 
     // A sheet that lies between the eye and a tool that does not touch it is seen through.
     veilSheets() {
+      this.isVeilDue = false;
       const eye = this.camera.object.position.toArray();
       const segments = this.snapshot?.segments ?? [];
-      const middles = segments.map(({ proxyA, proxyB }) => rays.along(proxyA, proxyB, 0.5)).filter(rays.isPlace);
+      const places = segments.flatMap(({ proxyA, proxyB }) => [0, 0.5, 1].map(s => rays.along(proxyA, proxyB, s)));
       const touched = new Set(this.snapshot?.contacts.map(({ body }) => body));
       for (const [id, view] of this.bodies) {
         if (!view.isSheet) continue;
-        const hides = middle => view.pick(eye, rays.sub(middle, eye))?.t < 1;
-        surfaceLight.setVeil(view.object, !touched.has(id) && middles.some(hides));
+        const hides = place => rays.isPlace(place) && view.pick(eye, rays.sub(place, eye))?.t < 1;
+        if (surfaceLight.setVeil(view.object, !touched.has(id) && places.some(hides))) this.dirty = true;
       }
     }
 
-    // Looks on at what shades the bodies, for some ms; the shade is drawn when it is whole.
+    // Looks on at what shades the bodies, for some ms; the shade is drawn when it is whole. True if it became so.
     bakeOn(most) {
-      if (this.bake.isDone) return;
+      if (this.bake.isDone) return false;
       const end = performance.now() + most;
       do this.bake.advance();
       while (!this.bake.isDone && performance.now() < end);
-      if (!this.bake.isDone) return;
+      if (!this.bake.isDone) return false;
       const shades = this.bake.shades();
       this.bake.parts.forEach(({ view }, i) => view.setShades(shades[i]));
       this.bake.parts = [];
       this.dirty = true;
+      return true;
     }
 
     // From the next picture on. Nothing happens where edges are smooth by multisampling.
@@ -322,6 +362,7 @@ const sceneView = (() => {
     // Draws if something has changed, or must be drawn for a reader of pixels. True if it drew.
     draw(always) {
       this.resize();
+      this.watchEye(always);
       if (!(this.dirty || always) || !this.width) return false;
       this.dirty = false;
       this.tools.draw(this.snapshot, this.colours, this.camera, this.scales);
@@ -332,12 +373,27 @@ const sceneView = (() => {
       const sun = back.map((value, k) => 1.1 * value + 1.2 * above[k] - 0.7 * right[k]);
       this.sun.position.set(...target.map((value, k) => value + radius * sun[k]));
       surfaceLight.setLight(this.light, sun, this.camera.turned([0, 0, 1]), back, this.tools.rods);
-      surfaceLight.setPatches(this.light, this.tools.patches);
+      surfaceLight.setPatches(this.light, this.showsDeformation ? [] : this.patches()); // one meaning of a colour
       this.showDeformation();
-      this.veilSheets();
       for (const { object } of this.bodies.values()) surfaceLight.fitTo(this.light, object.material);
       this.renderer.render(this.three, this.camera.object);
       return true;
+    }
+
+    // Whether a sheet hides the tool is asked when the eye has come to rest; of a frame it has been asked.
+    watchEye(always) {
+      const { position } = this.camera.object;
+      if (!this.eye.equals(position)) {
+        this.eye.copy(position);
+        Object.assign(this, { isVeilDue: true, eyeMoved: performance.now() });
+      }
+      if (this.isVeilDue && (always || performance.now() - this.eyeMoved > REST)) this.veilSheets();
+    }
+
+    // The tools' contacts, with the numbers of their bodies.
+    patches() {
+      const numbers = new Map([...this.bodies.keys()].map((id, number) => [id, number]));
+      return this.tools.patches.map(patch => ({ ...patch, number: numbers.get(patch.body) ?? -1 }));
     }
 
     // Pixels of the page from the picture's upper left corner; null behind the camera.
@@ -388,11 +444,12 @@ const sceneView = (() => {
     picture() {
       this.setSmooth(true);
       this.draw(true);
+      this.dirty = true; // what stands beside the picture follows with the next one
       return new Promise(done => {
         this.canvas.toBlob(done, "image/png");
       });
     }
   }
 
-  return { rendererOf, SceneView };
+  return { rendererOf, isDrawnByProcessor, SceneView };
 })();

@@ -30,11 +30,14 @@ const surfaceLight = (() => {
       float t = max(s * parts.x - f, 0.0);
       float gap = length(from + t * sun - s * axis) - radius;
       float soft = 0.3 * radius + 0.2 * t; // a sun that is not a point: the farther the rod, the softer
+      float apart = min(1.0, 0.4 * t / radius);
+      soft += 0.6 * radius * (1.0 - apart); // where they touch a hard edge would look like a cut
       float cover = clamp(0.5 - gap / soft, 0.0, 1.0) * min(1.0, 2.0 * radius / soft);
       vec3 to = clamp(g * parts.z, 0.0, 1.0) * axis - from;
       float near = dot(to, to);
-      float sky = max(dot(to, normal), 0.0) * radius * radius * inversesqrt(near) / max(near, radius * radius);
-      return vec2(1.0 - 0.85 * cover, 1.0 - 0.8 * clamp(sky, 0.0, 1.0));
+      float square = radius * radius;
+      float sky = max(dot(to, normal), 0.0) * square * inversesqrt(max(near, 1e-12)) / max(near, square);
+      return vec2(1.0 - (0.5 + 0.35 * apart) * cover, 1.0 - 0.8 * clamp(sky, 0.0, 1.0));
     }
     #endif
 
@@ -97,6 +100,8 @@ const surfaceLight = (() => {
     uniform vec4 patchFrom[${PATCHES}]; // an end of a contact, and the square of how far its mark reaches from it
     uniform vec4 patchAxis[${PATCHES}]; // from it to the other end, and half the mark's width
     uniform vec4 patchNormal[${PATCHES}]; // and the depth, in parts of the scale
+    uniform float patchBody[${PATCHES}]; // the number of the body that is touched
+    uniform float number; // of this one
     varying vec3 across;
     varying float open;
     varying vec3 place;
@@ -109,13 +114,16 @@ const surfaceLight = (() => {
     ${BESIDE_RODS}
     #endif
 
-    // Colour of depth under a contact, and how much of it is seen: as pressure lies under a roller, most in the middle.
-    vec4 patchColour(vec3 from, vec4 axis, vec4 normal) {
+    // Colour of a contact's depth, and how much of it is seen: as pressure lies under a roller, most in the middle.
+    vec4 patchColour(vec3 from, vec4 axis, vec4 normal, vec3 surface) {
       float s = clamp(dot(from, axis.xyz) / max(dot(axis.xyz, axis.xyz), 1e-12), 0.0, 1.0);
       vec3 beside = from - s * axis.xyz;
-      beside -= dot(beside, normal.xyz) * normal.xyz;
+      float off = dot(beside, normal.xyz);
+      if (abs(off) > axis.w) return vec4(0.0); // another side of the body
+      beside -= off * normal.xyz;
       float pressure = sqrt(max(0.0, 1.0 - dot(beside, beside) / (axis.w * axis.w)));
-      return vec4(texture2D(ramp, vec2(normal.w * pressure, 0.5)).rgb, 0.9 * min(1.0, 2.5 * pressure));
+      float isTouched = clamp(4.0 * dot(surface, normal.xyz), 0.0, 1.0); // a sheet's other side is not
+      return vec4(texture2D(ramp, vec2(normal.w, 0.5)).rgb, 0.9 * pressure * isTouched);
     }
 
     void main() {
@@ -150,8 +158,8 @@ const surfaceLight = (() => {
       for (int i = 0; i < ${PATCHES}; i++) {
         {
           vec3 from = place - patchFrom[ i ].xyz;
-          if (dot(from, from) < patchFrom[ i ].w) {
-            vec4 mark = patchColour(from, patchAxis[ i ], patchNormal[ i ]);
+          if (patchBody[ i ] == number && dot(from, from) < patchFrom[ i ].w) {
+            vec4 mark = patchColour(from, patchAxis[ i ], patchNormal[ i ], normal);
             shown = mix(shown, mark.rgb, mark.a);
           }
         }
@@ -187,6 +195,7 @@ const surfaceLight = (() => {
     patchFrom: { value: vectors(PATCHES) },
     patchAxis: { value: vectors(PATCHES) },
     patchNormal: { value: vectors(PATCHES) },
+    patchBody: { value: new Float32Array(PATCHES) },
   });
 
   // m: the length of the edge of an equilateral triangle as large as the mesh's are on average.
@@ -204,8 +213,9 @@ const surfaceLight = (() => {
    *   look       a name of LOOKS
    *   bothSides  the body is an open sheet
    *   edge       m, of its triangles: shadows of rods that are thicker are found at the vertices, which costs far less
+   *   number     of the body, among all
    */
-  function materialOf(shared, look, bothSides, edge) {
+  function materialOf(shared, { look, bothSides, edge, number }) {
     const { wet, dull, rim } = LOOKS[look];
     const material = new THREE.ShaderMaterial({
       vertexShader: VERTEX,
@@ -216,6 +226,7 @@ const surfaceLight = (() => {
         ...shared,
         colour: { value: new THREE.Color() },
         opacity: { value: 1 },
+        number: { value: number },
         shine: { value: new THREE.Vector3(wet, dull, rim) },
       },
     });
@@ -247,19 +258,20 @@ const surfaceLight = (() => {
     });
   }
 
-  // patches: [{ a, b, normal, radius, depth, part }...] of contacts; the deepest are marked
+  // patches: [{ a, b, normal, radius, depth, part, number }...] of contacts; the deepest are marked
   function setPatches(shared, patches) {
     const deepest = [...patches].sort((one, other) => other.depth - one.depth);
     for (let i = 0; i < PATCHES; i++) {
       const patch = deepest[i];
       shared.patchFrom.value[i].w = 0;
       if (!patch) continue;
-      const { a, b, normal, radius, depth, part } = patch;
+      const { a, b, normal, radius, depth, part, number } = patch;
       const axis = rays.sub(b, a);
       const half = radius + Math.sqrt(2 * radius * depth); // what a roller that is pressed in so deep touches, and its own width
       shared.patchFrom.value[i].set(...a, (rays.length(axis) + 2 * half) ** 2);
       shared.patchAxis.value[i].set(...axis, half);
-      shared.patchNormal.value[i].set(...normal, part);
+      shared.patchNormal.value[i].set(...normal, Math.min(1, part));
+      shared.patchBody.value[i] = number;
     }
   }
 
@@ -270,13 +282,15 @@ const surfaceLight = (() => {
     material.needsUpdate = true;
   }
 
-  // Whether what is behind a body is seen through it.
+  // Whether what is behind a body is seen through it. True if that is new.
   function setVeil(object, on) {
     const { material } = object;
+    if (material.transparent === on) return false;
     material.transparent = on;
     material.depthWrite = !on;
     material.uniforms.opacity.value = on ? VEIL : 1;
     object.renderOrder = on ? VEIL_ORDER : 0;
+    return true;
   }
 
   // Another number of rods needs another program, and so do rods that have become thin for the mesh.

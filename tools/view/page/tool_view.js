@@ -22,6 +22,13 @@ const toolView = (() => {
   const handleOf = (snapshot, tool) =>
     tool.isFree ? snapshot.segments[tool.firstSegment].a : tool.pose.slice(0, 3);
 
+  // The rods of a tool's instrument.
+  function dressOf(snapshot, tool, look) {
+    const segment = snapshot.segments[tool.firstSegment];
+    if (!look || !segment || tool.segments === 0) return [];
+    return instruments.rodsOf(look, segment.proxyA, segment.proxyB, segment.radius, tool.isFree ? null : tool.proxy);
+  }
+
   class ToolView {
     constructor() {
       // All are among the translucent, to be drawn in this order: what of the device's tool is hidden shines through
@@ -79,9 +86,8 @@ const toolView = (() => {
     addDress(snapshot, tool, colours, look) {
       const segment = snapshot.segments[tool.firstSegment];
       if (!segment || tool.segments === 0) return;
-      const { proxyA, proxyB, radius } = segment;
-      const pose = tool.isFree ? null : tool.proxy;
-      for (const rod of instruments.rodsOf(look, proxyA, proxyB, radius, pose))
+      const { proxyA, proxyB } = segment;
+      for (const rod of dressOf(snapshot, tool, look))
         this.dress.add(rod.a, rod.b, rod.radiusA, rod.radiusB, rod.round, colours[rod.of], rod.flat, rod.side);
       const own = this.rods.find(({ a }) => a === proxyA);
       const long = rays.length(rays.sub(proxyB, proxyA));
@@ -101,7 +107,7 @@ const toolView = (() => {
       const [a, b] = [contact.s0, contact.s1].map(s => rays.along(proxyA, proxyB, s));
       const normal = rays.isPlace(contact.normal) ? contact.normal : null;
       if (depth > 0 && normal && rays.isPlace(a) && rays.isPlace(b))
-        this.patches.push({ a, b, normal, radius: thick, depth, part: Math.min(1, depth / scales.depth) });
+        this.patches.push({ a, b, normal, radius: thick, depth, part: depth / scales.depth, body: contact.body });
       const rgb = new THREE.Color(`rgb(${scale.colour(depth / scales.depth).join(",")})`).toArray();
       this.bands.add(
         rays.along(proxyA, proxyB, contact.s0 - more),
@@ -144,5 +150,5 @@ const toolView = (() => {
     }
   }
 
-  return { ToolView, handleOf, ARROW };
+  return { ToolView, handleOf, dressOf, ARROW };
 })();

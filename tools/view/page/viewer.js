@@ -94,17 +94,34 @@ const viewer = (() => {
     numbers.reset();
     element("deformation").hidden = true;
     if (own.view?.showsDeformation) showDeformation(false);
-    edges.begin(scene.mode === "live");
+    delete element("legend").dataset.strip;
+    element("dressed").hidden = !scene.look || scene.look === "none";
+    beginEdges();
     clearFrames();
     unpick();
     showScene(scene);
     own.connection?.send("ready");
   }
 
+  // Beside a running world a processor that draws is spared.
+  function beginEdges() {
+    edges.begin(own.scene.mode === "live" && sceneView.isDrawnByProcessor());
+  }
+
+  // Pixels of the picture that the legend and the buttons have.
+  function edgesOfPicture() {
+    const { top, bottom } = picture.getBoundingClientRect();
+    const boxes = ids => ids.map(id => element(id).getBoundingClientRect()).filter(({ height }) => height > 0);
+    return {
+      top: Math.max(0, ...boxes(["legend"]).map(box => box.bottom - top)),
+      bottom: Math.max(0, ...boxes(["deformation", "views"]).map(box => bottom - box.top)),
+    };
+  }
+
   function showScene(scene) {
     if (own.view) return own.view.setScene(scene);
     const renderer = sceneView.rendererOf(picture, scene);
-    if (renderer) own.view = new sceneView.SceneView(picture, renderer, scene);
+    if (renderer) own.view = new sceneView.SceneView(picture, renderer, scene, edgesOfPicture);
     for (const id of ["views", "legend", "save", "picture"]) element(id).hidden = !renderer;
     element("blind").hidden = renderer !== null;
     if (!renderer) say(element("blind").textContent);
@@ -130,7 +147,9 @@ const viewer = (() => {
   function takeFrame(frame, bytes) {
     // In a pause of a running world the frames at hand stay as they are.
     if (play.live && !play.playing && history.size > 0) return;
+    const before = history.last?.own;
     history.add(frame, bytes);
+    if (history.last.own !== before) own.view?.noteMoved(history.last.own);
     for (const tick of frame.ticks) ticks.add(tick);
     for (const contact of frame.snapshot.contacts)
       own.deepest = Math.max(own.deepest, depths.ofContact(frame.snapshot, contact));
@@ -190,11 +209,16 @@ const viewer = (() => {
     own.shown = entry;
     own.frame = messageReader.readMessage(entry.bytes);
     if (own.frame.snapshot.strips.length > 0) element("legend").dataset.strip = "";
-    own.view?.show(own.frame.snapshot, entry.own);
     if (entry.own.size > 0) element("deformation").hidden = false;
+    own.view?.show(own.frame.snapshot, entry.own);
+    tellDepth(readouts.depthWord(own.frame.snapshot.tools[0]));
     listTools(own.frame.snapshot.tools);
     showFound();
     own.timeChanged = true;
+  }
+
+  function tellDepth(word) {
+    if (plot.setLabel("depth", word)) element("plots").setAttribute("aria-label", plot.words);
   }
 
   function listTools(tools) {
@@ -299,7 +323,7 @@ const viewer = (() => {
   function everyPicture(now) {
     own.view?.camera.advance(now);
     play.advance(now);
-    own.view?.bakeOn(BAKE);
+    if (own.view?.bakeOn(BAKE)) beginEdges(); // it was slow for that
     showFrame();
     if (own.scene) showScales();
     const drew = own.view?.draw(false) ?? false;
