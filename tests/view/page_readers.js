@@ -136,7 +136,7 @@ async function whatIsRead() {
   await check("the numbers beside the picture are those of the frame", () => {
     const texts = readouts.texts(frameAt(150), 0, { drawnRate: 0 });
     assert.deepStrictEqual(
-      [texts.tick, texts.force, texts.near, texts.nearWord, texts.contact, texts.reason, texts.triangle, texts.dropped, texts.drawn],
+      "tick force near nearWord contact reason triangle dropped drawn".split(" ").map(name => texts[name]),
       [
         "2,500",
         "4.00 N",
