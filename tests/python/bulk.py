@@ -26,7 +26,7 @@ COUNT = int(os.environ.get("BULK", 40))
 def write_organs(room):
     """Organs, each another: a liver whose vertices are moved by a wave of its own. Every tenth is malformed in one of
     four ways."""
-    program("make", "liver", "400", "-o", room / "liver.obj")
+    program("make", "liver", "1500", "-o", room / "liver.obj")
     lines = (room / "liver.obj").read_text(encoding="ascii").splitlines()
     places = np.array([line.split()[1:4] for line in lines if line.startswith("v ")], float)
     faces = [line for line in lines if line.startswith("f ")]
@@ -52,14 +52,14 @@ def facts(rows, name):
 
 
 def killer(table, pids, killed, after=None):
-    """Kill one of the processes once a fifth of the rows is there."""
+    """Kill one of the processes once a twentieth of the rows is there: early, as the table lags behind what is done."""
     for _ in range(6000):
-        if table.exists() and table.read_bytes().count(b"\n") > COUNT // 5 + 2 and pids():
+        if table.exists() and table.read_bytes().count(b"\n") > COUNT // 20 + 2 and pids():
             pid = pids()[0]
             os.kill(pid, signal.SIGKILL)
             killed.append(pid)
             return
-        time.sleep(0.005)
+        time.sleep(0.001)
 
 
 class Bulk(unittest.TestCase):
