@@ -143,7 +143,7 @@ dpt_result dpt_world_reset(dpt_world *world)
         world->bodies[i].motion_bound = 0.0;
         dpti_deform_reset(&world->bodies[i]);
     }
-    world->bodies_moved_tick = 0;
+    world->bodies_moved_tick = world->bodies_put_tick = 0;
     world->body_motion_max = world->body_motion_before = 0.0;
     world->undone_segment = 0;
     world->last_channel_id = 0;

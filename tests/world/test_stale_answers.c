@@ -159,9 +159,45 @@ static void a_reset_world_is_a_new_one(void)
     }
 }
 
+/* A proxy that is held back has its hits found when they are read, unless a body was put since the step. */
+static void hits_are_found_after_a_reset(void)
+{
+    struct fixture torus, sheet;
+    struct rig rig;
+    const dpt_segment segment = { { -0.02, 0, 0 }, { 0.02, 0, 0 }, 0.001 };
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
+    dpt_pose pose = identity;
+    dpt_hit hit = { .size = sizeof hit };
+    int stale = 0;
+    def.max_bodies = 2;
+    pose.position[0] = 0.1;
+    fixture_from_shape(&torus, "torus", 512);
+    fixture_from_shape(&sheet, "membrane", 512);
+    rig_open(&rig, &def, torus.mesh, &segment, 1);
+    for (int tick = 0; tick < TICKS; tick++) {
+        if (tick == TICKS - 10)
+            rig_add_body(&rig, sheet.mesh, &(dpt_pose){ { 0, 0, -0.5 }, { 1, 0, 0, 0 } });
+        dpt_tool_set_pose(rig.world, rig.tool, &pose);
+        CHECK(dpt_world_step(rig.world, 0.001, NULL) == DPT_OK, "tick %d", tick);
+    }
+    CHECK(dpt_world_reset(rig.world) == DPT_OK, "reset");
+    for (int tick = 0; tick < TICKS; tick++) {
+        pose.position[2] = 0.06 - 0.0005 * tick;
+        dpt_tool_set_pose(rig.world, rig.tool, &pose);
+        CHECK(dpt_world_step(rig.world, 0.001, NULL) == DPT_OK, "tick %d", tick);
+        CHECK(dpt_tool_get_hit(rig.world, rig.tool, &hit) == DPT_OK, "hit");
+        stale += hit.status == DPT_STATUS_STALE;
+    }
+    CHECK(hit.contact == DPT_CONTACT_PENETRATING && stale == 0, "%d of %d hits are stale", stale, TICKS);
+    rig_close(&rig);
+    fixture_free(&torus);
+    fixture_free(&sheet);
+}
+
 int main(void)
 {
     TEST(a_step_that_fails_leaves_no_answer);
     TEST(a_reset_world_is_a_new_one);
+    TEST(hits_are_found_after_a_reset);
     return check_report();
 }
