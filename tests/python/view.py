@@ -486,7 +486,9 @@ class View(unittest.TestCase):
                                 page.say("drawn")
                         self.assertGreater(kinds.count(2), 5)
                     ran.terminate()
-            for what in (record, "liver"):  # until it is interrupted
+            # Until it is interrupted, also where a shell that started this test in the background let SIGINT be ignored.
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            for what in (record, "liver"):
                 with subprocess.Popen(
                     [sys.executable, "-m", "dynpoint", "view", what],
                     env=environment,
@@ -494,12 +496,15 @@ class View(unittest.TestCase):
                     stdout=subprocess.PIPE,
                     stderr=subprocess.PIPE,
                 ) as ran:
-                    with Page(re.search(r"http:\S+", ran.stdout.readline())[0]) as page:
-                        self.assertEqual(page.join()[:4], b"\1\0\0\0")
-                    with self.assertRaises(subprocess.TimeoutExpired):
-                        ran.wait(1)
-                    ran.send_signal(signal.SIGINT)
-                    self.assertEqual((ran.wait(60), ran.stderr.read()), (0, ""))
+                    try:
+                        with Page(re.search(r"http:\S+", ran.stdout.readline())[0]) as page:
+                            self.assertEqual(page.join()[:4], b"\1\0\0\0")
+                        with self.assertRaises(subprocess.TimeoutExpired):
+                            ran.wait(1)
+                        ran.send_signal(signal.SIGINT)
+                        self.assertEqual((ran.wait(60), ran.stderr.read()), (0, ""))
+                    finally:
+                        ran.kill()
             for words, why in (
                 (["liver", "--law", "bed"], "--law needs libwebsockets (Debian: libwebsockets17)"),
                 (["liver", "--for", "0"], "--for must be positive"),
