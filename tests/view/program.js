@@ -49,9 +49,16 @@ async function running(browser) {
     assert(rate > 100 && rate < 1100, `${rate} Hz`);
   });
   await check("the tool is over the membrane in its colour, and the arrow points as the wrench does", async () => {
-    await until("a force", async () => (await ask(page, "Math.hypot(...s.tools[0].wrench.slice(0, 3))")) > 0.08);
-    await page.key(" ");
-    await page.settle();
+    // The hand goes on until the page stops: on a busy machine the frame at which it stops is another than the one that was seen.
+    const pressed = async () => (await ask(page, "Math.hypot(...s.tools[0].wrench.slice(0, 3))")) > 0.08;
+    await until("a frame that stands, with a force", async () => {
+      await until("a force", pressed);
+      await page.key(" ");
+      await page.settle();
+      const stands = await pressed();
+      if (!stands) await page.key("End");
+      return stands;
+    });
     const [ends, wrench, bands] = await ask(
       page,
       "[[s.segments[0].proxyA, s.segments[0].proxyB], s.tools[0].wrench.slice(0, 3), s.contacts.map(c => [c.s0, c.s1])]",
