@@ -312,6 +312,10 @@ $(CDEF): include/dynpoint.h $(wildcard include/dynpoint/*.h) tools/packaging/cde
 	  libdynpoint_compile=src/compile libdynpoint_drivers=drivers libdynpoint_urdf=src/urdf \
 	  libdynpoint_convex=src/convex libdynpoint_host=src/host
 
+# What the bindings of other languages are made from (needs python3-pycparser).
+$(B)/abi.json: $(CDEF) tools/packaging/abi_model.py
+	$(PYTHON) -B tools/packaging/abi_model.py $(CDEF) >$@.new && mv $@.new $@
+
 amalgamation: $(B)/amalgamation/LICENSE ## the core and the compiler as single files, for firmware, crates, packages (needs python3)
 $(B)/amalgamation/LICENSE: LICENSE $(wildcard tools/packaging/*.py tools/packaging/*.h) tools/packaging/cmake/CMakeLists.txt $(wildcard include/*.h include/*/*.h $(FOLDERS:%=src/%/*.[ch]) src/compile/*.[ch] src/text/*.[ch])
 	@rm -rf $(@D) && mkdir -p $(@D)

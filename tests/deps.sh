@@ -14,7 +14,7 @@ cd "$(dirname "$0")/.." || exit 2
 
 # Group, what a Debian 12 with a C compiler and make downloads for it alone (counted in packages; what comes from PyPI
 # or npm is not), what it is for, packages.
-groups='light|21 MB|the tests that anyone should run; reading URDF and scene files, curved tips|python3 pkg-config g++ libgmp-dev python3-cffi liburdfdom-dev libexpat1-dev libjansson-dev libccd-dev
+groups='light|21 MB|the tests that anyone should run; reading URDF and scene files, curved tips|python3 pkg-config g++ libgmp-dev python3-cffi python3-pycparser liburdfdom-dev libexpat1-dev libjansson-dev libccd-dev
 peers|91 MB|FCL and CGAL, which answer the same questions; Mesa, which draws a z-buffer|pkg-config g++ libfcl-dev libcgal-dev libegl-dev libgles-dev libgl1-mesa-dri
 kinematics|9 MB, and more from PyPI|pinocchio, a second opinion on arms|python3 python3-venv
 soft|9 MB, and 26 more from PyPI|MuJoCo, a second opinion on soft bodies|python3 python3-venv

@@ -175,6 +175,14 @@ ${CC:-cc} $c99 -fsyntax-only "$scratch/cdef.c" && ! grep -nE '^ *#|__attribute__
 verdict $? "$cdef is plain C99, with the structs and constants of $here/layouts.txt"
 sed -n 's/^[^ ].*[ *]\(dpt_[a-z0-9_]*\)(.*;$/\1/p' "$cdef" | grep -v '_fn$' | LC_ALL=C sort | diff - "$scratch/all.symbols"
 verdict $? "it declares what the lists of symbols have, and nothing else"
+# The declarations of other languages are made from this model.
+if python3 -c 'import pycparser' 2>/dev/null; then
+    python3 -B tools/packaging/abi_model.py "$cdef" >"$scratch/abi.json" &&
+        python3 -B "$here/model.py" "$scratch/abi.json" "$here/layouts.txt" "$here"/*.symbols
+    verdict $? "its model for other languages has these functions, and the structs and constants of $here/layouts.txt"
+else
+    skip "the model for other languages: no pycparser (Debian: python3-pycparser)"
+fi
 # What the list does not name: a field shows as a gap in its struct, the rest in the preprocessed headers.
 for header in include/dynpoint/*.h; do
     echo "#include <dynpoint/$(basename "$header")>"
