@@ -48,7 +48,7 @@ asks() {
 installed() { sort "$INSTALLED" | tr '\n' ' '; }
 untouched() { ! grep -qE '^python3 -m venv|^apt-get (download|update)|^apt-get install.* -y' "$CALLS" && [ ! -s "$INSTALLED" ]; }
 
-light='g++ libccd-dev libexpat1-dev libgmp-dev libjansson-dev liburdfdom-dev pkg-config python3 python3-cffi '
+light='g++ libccd-dev libexpat1-dev libgmp-dev libjansson-dev liburdfdom-dev pkg-config python3 python3-cffi python3-pycparser '
 firmware='gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm '
 asks sh tests/run.sh check
 check "make check installs the light group: $(installed)" test "$(installed)" = "$light"
