@@ -82,6 +82,7 @@ if [ "$whole" = test ]; then
     programs test release beside
     run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 5000
     run "the layers" sh tests/layers.sh build
+    run "the first page's figures" python3 -B tests/docs/figures.py
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
         run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 4
@@ -141,6 +142,7 @@ else
         run "Python's package, sanitized" env JOBS=1 sh tests/python/sanitize.sh build
     fi
     run "the layers" sh tests/layers.sh build
+    run "the first page's figures" python3 -B tests/docs/figures.py
     run "the layers' own test" sh tests/layers_test.sh build
     run "packages for tests" sh tests/deps_test.sh build
     run_reading "" "what has passed is kept" sh tests/run_test.sh build

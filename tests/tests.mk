@@ -358,6 +358,9 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 	$(B)/dynpoint stability hum --effort 1 --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
+figures: all $(B)/tests/bench/proxy_ticks ## measure what the README says of the default tick: docs/charts/default-tick.csv; beside nothing else
+	@sh tests/bench/figures.sh $(B) docs/charts/default-tick.csv
+
 charts: measured ## measure as bench does, draw docs/charts and keep their data
 	$(PYTHON) -B tests/bench/chart.py $(B)/bench docs/charts
 	$(PYTHON) -B tests/bench/chart_paper.py $(B)/bench docs/charts

@@ -122,11 +122,11 @@ bounds()
     check "the bound is met: $(grep -oF "$told" stdout)" grep -qF "$told:1," stdout
 }
 
-# README, docs/stability.md and --help say how many cases run where none is named.
+# docs/commands.md, docs/stability.md and --help say how many cases run where none is named.
 counted()
 {
     cases=$(grep -vc '(only where named)$' list)
-    for page in README.md docs/stability.md; do
+    for page in docs/commands.md docs/stability.md; do
         check "$page: not $cases cases, but $(grep -oE '[0-9]+ cases' "$tests/../$page")" \
             test "$(grep -oE '[0-9]+ cases' "$tests/../$page")" = "$cases cases"
     done
