@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 CHARTS = ROOT / "docs/charts"
 
 
-def row(name, **where):
-    with open(CHARTS / name, encoding="utf-8") as file:
+def row(file_name, **where):
+    with open(CHARTS / file_name, encoding="utf-8") as file:
         return next(row for row in csv.DictReader(file) if all(row[key] == value for key, value in where.items()))
 
 
