@@ -83,6 +83,7 @@ if [ "$whole" = test ]; then
     run_reading "include src" "races of the exchange" sh tests/exchange/races.sh build 5000
     run "the layers" sh tests/layers.sh build
     run "the first page's figures" python3 -B tests/docs/figures.py
+    run "the page of what comes out" python3 -B tests/docs/output.py build
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
         run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 4
@@ -143,6 +144,7 @@ else
     fi
     run "the layers" sh tests/layers.sh build
     run "the first page's figures" python3 -B tests/docs/figures.py
+    run "the page of what comes out" python3 -B tests/docs/output.py build
     run "the layers' own test" sh tests/layers_test.sh build
     run "packages for tests" sh tests/deps_test.sh build
     run_reading "" "what has passed is kept" sh tests/run_test.sh build

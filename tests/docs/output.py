@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""output.py BUILD: docs/output.md has a row for each reason, flag, status and error of the headers, with its number, and
+names each column that the program writes. Whether the rows tell the truth it cannot say."""
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs/output.md").read_text(encoding="utf-8")
+WANTED = r"(DPT_(?:FORCE|STATUS|HIT_FLAG|STEP_FLAG|E)_[A-Z_]+|DPT_OK)"
+
+
+def names():
+    """Of each name in the headers that a user meets: its number."""
+    found = {}
+    for header in sorted((ROOT / "include/dynpoint").glob("*.h")):
+        text = header.read_text(encoding="utf-8")
+        found.update(re.findall(rf"^ *{WANTED} = (\d+)", text, re.M))
+        found.update(re.findall(rf"^enum {{ {WANTED} = (\d+)", text, re.M))
+        found.update(re.findall(rf"X\({WANTED}, +(-?\d+),", text))
+    return found
+
+
+def columns(program, room):
+    """What `replay -o` and `record csv` write in their first lines."""
+    def run(*words):
+        subprocess.run([program, *words], cwd=room, check=True, stdout=subprocess.DEVNULL)
+    run("make", "membrane", "-o", "m.stl")
+    run("compile", "m.stl", "-o", "m.dpa")
+    run("make", "trace", "--mesh", "m.dpa", "--ticks", "20", "-o", "t.csv")
+    run("replay", "m.dpa", "t.csv", "-o", "answers.csv")
+    run("run", "m.dpa", "--device", "sim:?hand=hold", "--ticks", "10", "--record", "r.dpr")
+    run("record", "csv", "r.dpr", "-o", "r.csv")
+    for file, section in (("answers.csv", "replay -o answers.csv"), ("r.csv", "record csv")):
+        with open(Path(room) / file, encoding="utf-8") as lines:
+            yield section, lines.readline().strip().split(",")
+
+
+def named(section):
+    """The columns in the table of a section; `joint0` to `joint7` are all between them."""
+    text = PAGE.split(f"## `{section}`", 1)[1].split("\n## ")[0]
+    cells = [line.split("|")[1] for line in text.split("\n") if line.startswith("| `")]
+    found = set(re.findall(r"`(\w+)`", "".join(cells)))
+    for first, last in re.findall(r"`(\w+)` to `(\w+)`", "".join(cells)):
+        if first[:-1] == last[:-1]:
+            found.update(first[:-1] + str(n) for n in range(int(first[-1]), int(last[-1]) + 1))
+        else:
+            found.update(f"{first[:-2]}{kind}{axis}" for kind in "ft" for axis in "xyz")
+    return found
+
+
+def main():
+    failures = passed = 0
+
+    def verdict(right, text):
+        nonlocal failures, passed
+        failures += not right
+        passed += right
+        print(f"  {'ok  ' if right else 'FAIL'} {text}")
+
+    numbers = names()
+    verdict(len(numbers) > 60, f"{len(numbers)} names in the headers")
+    missing = [name for name, value in numbers.items()
+               if not re.search(rf"(^\| |, | is ){value} +`{name}`|^\| {value} `{name}`", PAGE, re.M)]
+    verdict(not missing, f"each has its row and number {' '.join(missing)}")
+    strange = set(re.findall(WANTED, PAGE)) - set(numbers)
+    verdict(not strange, f"and the page names no other {' '.join(sorted(strange))}")
+    with tempfile.TemporaryDirectory() as room:
+        for section, written in columns(Path(sys.argv[1]).resolve() / "dynpoint", room):
+            lost, extra = set(written) - named(section), named(section) - set(written)
+            verdict(len(written) > 25 and not lost and not extra,
+                    f"{section}: {len(written)} columns; not named {sorted(lost)}, not written {sorted(extra)}")
+    print(f"{passed} passed, {failures} failed, 0 skipped")
+    return failures > 0
+
+
+sys.exit(main())
