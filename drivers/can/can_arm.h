@@ -12,7 +12,7 @@
 #include "dynpoint/device.h"
 #include "settings.h"
 
-/* The settings of the driver "can"; docs/drivers.md has their table. */
+/* The settings of the driver "can"; docs/back_ends.md has their table. */
 struct can_settings {
     char interface[32];
     char arm[256], nodes[64], gear[160], zero[160], torque[160], centre[96];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Encode and decode the frames of ODrive's CANSimple, between a host and motor controllers on a CAN bus. Two
- * generations are in use: firmware 0.5.x (ODrive 3.x) and 0.6.x (Pro, S1, Micro). docs/drivers.md names the sources.
+ * generations are in use: firmware 0.5.x (ODrive 3.x) and 0.6.x (Pro, S1, Micro). docs/back_ends.md names the sources.
  *
  * This file and odrive.c make no system call, allocate nothing, read no clock and do not depend on the byte order.
  *

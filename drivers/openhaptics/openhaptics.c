@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The driver "openhaptics": Touch and Phantom devices, "openhaptics:Left Device?rate=1000" (docs/drivers.md). */
+/* The driver "openhaptics": Touch and Phantom devices, "openhaptics:Left Device?rate=1000" (docs/back_ends.md). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -73,7 +73,7 @@ static dpt_result explain_no_answer(const struct haptics *device, dpt_device_err
     if (is_forbidden(path))
         return device_error(error, DPT_E_PERMISSION,
                             "this user may not use %s: sudo usermod -aG dialout,plugdev $USER and "
-                            "log in again; for a hidraw port see docs/drivers.md",
+                            "log in again; for a hidraw port see docs/back_ends.md",
                             path);
     if (device->name[0])
         return device_error(error, DPT_E_DEVICE,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A device that plays a recorded motion, a trace of tick,ax,ay,az,bx,by,bz (docs/drivers.md, "replay"). */
+/* A device that plays a recorded motion, a trace of tick,ax,ay,az,bx,by,bz (docs/back_ends.md, "replay"). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A simulated device: a mass with damping and friction for each degree of freedom, which a hand pulls by a spring or
- * pushes, with encoder steps, zero-order hold, delay, and a line that loses frames (docs/drivers.md, "sim").
+ * pushes, with encoder steps, zero-order hold, delay, and a line that loses frames (docs/back_ends.md, "sim").
  */
 #include <math.h>
 #include <stdlib.h>

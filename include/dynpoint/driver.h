@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * The contract of a driver, for those who write one (docs/drivers.md, "Writing a driver"). A driver is a struct of
+ * The contract of a driver, for those who write one (docs/writing_drivers.md). A driver is a struct of
  * functions for one kind of device. dpt_driver_get lists the built-in drivers. A program can define one of its own and
  * open it with dpt_device_open_with.
  *

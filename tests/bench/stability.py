@@ -77,7 +77,7 @@ allowed, and what to do about it. `dynpoint stability CASE` runs one of them. Wi
 time; a busy machine takes some minutes for it. `--effort 1` does all: three minutes more, and two for `hum`. `make
 stability` runs all with that effort and makes this page, and `make check` looks whether the page still tells what short
 cases say. The exit status is 1 if the proxy or a controller breaks a limit, else 0. There is no hardware in it: hands and
-devices are simulated ([drivers.md](drivers.md#sim)).
+devices are simulated ([back_ends.md](back_ends.md#sim)).
 
 | method | what it is |
 |---|---|

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The simulated device once more, written from docs/drivers.md, "sim", alone.
+"""The simulated device once more, written from docs/back_ends.md, "sim", alone.
 
     python3 tests/drivers/sim_oracle.py BUILD [SETTINGS]        compares it with the library, in so many random settings
     python3 tests/drivers/sim_oracle.py trace WHERE [TICKS]     prints x, y, z of each tick, as in trace 'hand=press'

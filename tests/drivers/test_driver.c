@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The registry, drivers from outside, wrong arguments, and that docs/drivers.md leaves no reason out. */
+/* The registry, drivers from outside, wrong arguments, and that docs/faults.md leaves no reason out. */
 #include <math.h>
 
 #include "drivers/open_device.h"
@@ -333,7 +333,7 @@ static int has_row(char *text, const char *name)
 /* The header's names, not a list of them here: a new bit without a row fails. */
 static void the_fault_table_has_every_reason(void)
 {
-    char *header = whole_file("include/dynpoint/device.h"), *page = whole_file("docs/drivers.md");
+    char *header = whole_file("include/dynpoint/device.h"), *page = whole_file("docs/faults.md");
     int count = 0;
     for (char *at = header; at && page && (at = strstr(at, "    DPT_REASON_")) != NULL; at++) {
         char name[64] = "";
@@ -341,7 +341,7 @@ static void the_fault_table_has_every_reason(void)
         if (sscanf(at, " %63[A-Z_] = %u", name, &bit) != 2)
             continue;
         count++;
-        CHECK(has_row(page, name), "%s has no row in docs/drivers.md that names a test", name);
+        CHECK(has_row(page, name), "%s has no row in docs/faults.md that names a test", name);
         CHECK(dpt_device_reason_name(bit) != NULL, "%s has no name", name);
     }
     CHECK(count >= 10 && !dpt_device_reason_name(1u << count), "%d reasons", count);

@@ -8,7 +8,7 @@
 
 #include "drivers/open_device.h"
 
-/* u(p, i) of docs/drivers.md, "sim". */
+/* u(p, i) of docs/back_ends.md, "sim". */
 static double uniform(uint64_t seed, uint64_t period, uint64_t i)
 {
     uint64_t z = seed + (4 * period + i + 1) * 0x9e3779b97f4a7c15u;

@@ -27,7 +27,7 @@
 enum { HAND_AXES = 6 };
 
 /*
- * As the settings of "sim" (docs/drivers.md), with two differences: `weight` is what presses along -y, in N, and the
+ * As the settings of "sim" (docs/back_ends.md), with two differences: `weight` is what presses along -y, in N, and the
  * steps of the encoders are taken by the laboratory, so that it sees the true motion. Zero is the driver's default
  * where that is not zero.
  */
