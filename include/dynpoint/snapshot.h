@@ -58,7 +58,7 @@ DPT_API size_t dpt_snapshot_bytes(const dpt_world *world, const dpt_snapshot_def
 /*
  * Take a snapshot of the last step; the world does not change. Poses and segments are those set last, so take it before
  * the next ones are set. The time is in proportion to what is in it: below 1 us for one tool with some contacts, and some
- * 8 us more for 25,000 vertices (docs/performance.md).
+ * 8 us more for 25,000 vertices (docs/measurements.md).
  *   def    NULL: the defaults
  *   block  aligned anyhow
  *   bytes  how long the snapshot is, a multiple of 8

@@ -154,7 +154,7 @@ static inline void dpt_world_def_init(dpt_world_def *def)
 }
 
 /*
- * The bytes that a world of this def needs, in this version of the library; docs/performance.md has examples. 0 for a
+ * The bytes that a world of this def needs, in this version of the library; docs/measurements.md has examples. 0 for a
  * def that is not valid, or whose bytes do not fit into size_t.
  */
 DPT_API size_t dpt_world_bytes(const dpt_world_def *def);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The tables of docs/performance.md, as Markdown, from meshes.csv: median / 99 % in us, of each method on each mesh. What
+# The tables of docs/measurements.md, as Markdown, from meshes.csv: median / 99 % in us, of each method on each mesh. What
 # finds the nearest pair 5 % faster than `exact` at the median, or more, is bold, and its row says why. Of the tori the first
 # and the last are shown.
 BEGIN {

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # make bench: `dynpoint chart` of each mesh with the peers that are here, and of all of them the tables of
-# docs/performance.md. `sh tests/bench/run.sh BUILD [MESH ...]`; MESH is a shape, a shape and its count (torus-61358), or a
+# docs/measurements.md. `sh tests/bench/run.sh BUILD [MESH ...]`; MESH is a shape, a shape and its count (torus-61358), or a
 # mesh file. BUILD/bench/MESH.chart.* are the charts; meshes.csv has all their rows, behind the mesh and its triangles
 # (docs/chart.md says what the columns mean), and histograms.csv those that are drawn: work of the exact method, and times
 # on the liver. TICKS (20000), REPEATS (3), UNTIL (contact). PEERS names the peers to run ("fcl cgal"), all by default; one

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""figures.py: the figures of README.md and docs/comparison.md are those of their data files, each to the digits shown.
+"""figures.py: the figures of README.md, docs/performance.md and docs/comparison.md are those of their data files, each to
+the digits shown.
 
 Whether a data file is what a machine measures it cannot say: `make figures` and `make bench` write them."""
 import csv
@@ -31,6 +32,15 @@ FIGURES = {
         "the exact nearest pair": pair(row("meshes.csv", name="exact", **PAIR), "other_median_us", "other_p99_us"),
         "the same with FCL": pair(row("meshes.csv", name="fcl", **PAIR), "other_median_us", "other_p99_us"),
         "soft, a tool in it": pair(row("soft-liver.csv", subject="symplectic", phase="all"), "tick_us", "tick_99_us"),
+    },
+    "docs/performance.md": {
+        "nearest pair of a line": pair(row("meshes.csv", name="exact", **PAIR), "other_median_us", "other_p99_us"),
+        "default tick, a ball of 1 mm at rest": pair(row(TICK, subject="ball rest"), "median_us", "p99_us"),
+        "a ball that wipes it": pair(row(TICK, subject="ball wipe"), "median_us", "p99_us"),
+        "default tick, a line of 0.1 m at rest": pair(row(TICK, subject="line rest"), "median_us", "p99_us"),
+        "a line that wipes it |": pair(row(TICK, subject="line wipe"), "median_us", "p99_us"),
+        "a line that wipes it at 1 m/s": pair(row(TICK, subject="line fast"), "median_us", "p99_us"),
+        "soft liver, a tool in it": pair(row("soft-liver.csv", subject="symplectic", phase="all"), "tick_us", "tick_99_us"),
     },
     "docs/comparison.md": {
         "nearest pair of a line": pair(row("meshes.csv", name="exact", **PAIR), "other_median_us", "other_p99_us"),
