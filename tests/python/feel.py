@@ -51,6 +51,18 @@ class Feel(unittest.TestCase):
         self.assertEqual(self.mesh, dp.Mesh.load(self.dpa))
         self.assertEqual(len(self.mesh), 3000)
 
+    def test_regions_are_those_of_the_program(self):
+        held, soft = self.dpa.with_name("held.txt"), self.dpa.with_name("soft.dpa")
+        held.write_text("box -0.2 -0.2 -0.1 0.2 0.2 -0.035 fixed\nsphere 0 0 0 0.03 20000 1000 5\n")
+        program("compile", self.obj, "-o", soft, "--springs", "volume", "--young", 5000, "--regions", held)
+        places = [{"box": (-0.2, -0.2, -0.1, 0.2, 0.2, -0.035), "fixed": True}, {"sphere": (0, 0, 0, 0.03), "young": 20000, "density": 1000, "drag": 5}]
+        springs = {"kind": "volume", "young": 5000, "regions": places}
+        self.assertEqual(bytes(dp.Mesh.load(self.obj, unit="m", springs=springs)), soft.read_bytes())
+        for place, said in (({"fixed": True}, "a box or a sphere"), ({"box": (0, 0, 0, 1), "fixed": 1}, "a box has 6 numbers"),
+                            ({"sphere": (0, 0, 0, 1), "young": 2}, "not sphere, young")):
+            with self.assertRaisesRegex(ValueError, said):
+                dp.Mesh.load(self.obj, unit="m", springs={"kind": "volume", "regions": [place]})
+
     def test_a_tool_feels_what_the_program_s_feels(self):
         told = felt_by_c(self.dpa, self.trace, "--radius", 0.002)
         felt = {name: [] for name in ("distance", "gap", "fx", "fy", "fz", "tx", "ty", "tz", "px", "qz", "triangle")}

@@ -7,13 +7,13 @@ import warnings
 from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Mapping, Optional, Type, TypeVar, Union
+from typing import Any, Iterable, Mapping, Optional, Type, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _dynpoint
-from ._structs import HIT, MESH_INFO, Floats, Numbers, Records, room
+from ._structs import HIT, MESH_INFO, SPRING_REGION, Floats, Numbers, Records, room
 
 PathLike = Union[str, "os.PathLike[str]"]
 M = TypeVar("M", bound="Mesh")
@@ -52,6 +52,25 @@ def _points(points: Any, what: str) -> Floats:
     return np.ascontiguousarray(array, np.float64)
 
 
+def _regions(places: Iterable[Mapping[str, Any]]) -> Records:
+    """Regions as dpt_spring_region: a `box` of lowest and highest x, y, z, or a `sphere` of x, y, z and radius, in m."""
+    regions = np.zeros(0, SPRING_REGION)
+    for number, place in enumerate(places):
+        rest, region = dict(place), np.zeros(1, SPRING_REGION)
+        shapes = [name for name in ("box", "sphere") if name in rest]
+        if len(shapes) != 1 or set(rest) - set(shapes) not in ({"fixed"}, {"young", "density", "drag"}):
+            raise ValueError(f"springs['regions'][{number}]: wanted a box or a sphere, and either fixed, or young, density "
+                             f"and drag; not {', '.join(sorted(rest))}")
+        extent = np.asarray(rest.pop(shapes[0]), np.float64).ravel()
+        if len(extent) != {"box": 6, "sphere": 4}[shapes[0]]:
+            raise ValueError(f"springs['regions'][{number}]: a box has 6 numbers, a sphere 4, not {len(extent)}")
+        region["kind"], region["box"][0, :len(extent)] = 1 + (shapes[0] == "sphere"), extent
+        for name, value in rest.items():
+            region[name] = value
+        regions = np.concatenate((regions, region))
+    return regions
+
+
 class Mesh(_dynpoint.Mesh):
     """A compiled mesh: `Mesh.compile` makes one of arrays, `Mesh.load` of a file. It does not change, and threads may share
     it. `bytes(mesh)` is the content of a .dpa file.
@@ -73,6 +92,8 @@ class Mesh(_dynpoint.Mesh):
             springs = dict(springs)
             if "fixed" in springs:
                 springs["fixed"] = np.ascontiguousarray(springs["fixed"], np.uint32)
+            if "regions" in springs and not isinstance(springs["regions"], np.ndarray):
+                springs["regions"] = _regions(springs["regions"])
         if nodes is not None:
             nodes, cells = _points(nodes, "nodes"), np.ascontiguousarray(cells, np.uint32)
         notes: list[str] = []
@@ -87,8 +108,9 @@ class Mesh(_dynpoint.Mesh):
         UNITS, or a number of metres. Float64 and uint32 are taken as they are, others are converted.
 
         Settings are those of dpt_compile_def: crease, threads, recentre; `springs`, a dict of dpt_spring_net_def's with
-        `kind` "sheet" or "volume"; `nodes` and `cells`, tetrahedra that the vertices follow. What one should know of the
-        source comes as warnings."""
+        `kind` "sheet" or "volume", `fixed` vertices of the source, and `regions`, a list of dicts with a `box` or a
+        `sphere`, and `fixed`, or `young`, `density` and `drag` there; `nodes` and `cells`, tetrahedra that the vertices follow.
+        What one should know of the source comes as warnings."""
         return cls._compile("Mesh.compile", _points(vertices, "vertices"), _corners(triangles),
                             {"scale": scale_of(unit), **settings})
 
