@@ -9,6 +9,7 @@ springs()
     succeeds 'make membrane' make membrane 512 -o membrane.ply
     succeeds '--springs sheet' compile membrane.ply -o sheet.dpa --springs sheet --young 2000 --density 1100 --thickness 0.002
     check "compile: $(cat stdout)" grep -q '^  1056 springs between 289 nodes, 0 of them fixed: 0.088 kg' stdout
+    check "compile: it floats" grep -q '^  nothing holds it: .*--regions or --fixed' stdout
     run info sheet.dpa
     check "info: $(cat stdout)" grep -q '^  springs  *1056 between 289 nodes, 0 of them fixed$' stdout
     check 'info: mass' grep -q "^    mass  *0.088 kg, Poisson's ratio 0.3333, viscosity 0 s$" stdout
@@ -26,6 +27,7 @@ springs()
     succeeds '--springs volume' compile box.ply -o volume.dpa --springs volume --spacing 0.02 --regions regions --fixed fixed \
         --viscosity 0.001 --drag 0.5
     check "compile: $(cat stdout)" grep -q '^  embedded in 210 nodes: all vertices are within cells$' stdout
+    check "compile: a part is held" test "$(grep -c 'nothing holds it' stdout)" -eq 0
     check 'info --json: 30 of the end, and a corner' test "$(info_count volume.dpa fixed_nodes)" = 31
     succeeds 'in two threads' compile box.ply -o threads.dpa --springs volume --spacing 0.02 --regions regions --fixed fixed \
         --viscosity 0.001 --drag 0.5 -j 2
