@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# C#: the package is made, and its sources, its tests and the scene are compiled by mcs and run by Mono (check.sh beside this
+# folder calls it). RELEASE=yes runs them once more on a library with UBSan.
+build=$1 room=$2 rounds=$3 here=tests/languages/csharp
+for tool in mcs mono python3; do
+    if ! command -v $tool >/dev/null; then
+        echo "skip no $tool (make deps languages)"
+        exit 0
+    fi
+done
+if ! python3 -c 'import pycparser' 2>/dev/null; then
+    echo "skip no pycparser, by which declarations are made (make deps languages)"
+    exit 0
+fi
+
+said() { if [ "$1" -eq 0 ]; then echo "ok $2"; else echo "FAIL $2"; fi; }
+
+# compile OUT ARGUMENTS...: without a warning
+compile() {
+    out=$1
+    shift
+    mcs -nologo -warnaserror -unsafe -out:"$out" "$@" >"$room/mcs" 2>&1
+    said $? "mcs compiles $(basename "$out"): $(head -n 1 "$room/mcs")"
+}
+
+# mono_of NAME ARGUMENTS...: what a program says, and that it ended well
+mono_of() {
+    name=$1
+    shift
+    mono "$room/$name.exe" "$@" >"$room/$name" 2>"$room/$name.errors"
+    status=$?
+    grep '^ok \|^FAIL ' "$room/$name"
+    [ $status -le 1 ] || echo "FAIL $name: status $status, $(head -n 1 "$room/$name.errors")"
+}
+
+make -s nupkg B="$build" >"$room/make" 2>&1
+said $? "make nupkg: $(tail -n 1 "$room/make")"
+cp "$build/csharp/Dynpoint.dll" "$build/csharp/libdynpoint_all.so" "$room"
+compile "$room/Touch.exe" -r:"$room/Dynpoint.dll" $here/Touch.cs
+compile "$room/Tests.exe" -r:"$room/Dynpoint.dll" $here/Check.cs $here/Feel.cs $here/Misuse.cs $here/UnityFrames.cs \
+    "$build/csharp/generated/Layouts.cs"
+echo "touch C# $(mono "$room/Touch.exe" "$rounds")"
+mono_of Tests tests/abi/layouts.txt
+
+# The host library beside the program, on the same scene and device.
+"$build/dynpoint" run liver --device 'sim:?hand=press' --ticks 3000 --json |
+    sed 's/.*"contacts":\([0-9]*\),"penetrating":\([0-9]*\).*"strongest":\([0-9.e-]*\).*/scene \1 \2 \3/' >"$room/program"
+sed -n '/^scene /p' "$room/Tests" | cat - "$room/program" | awk '
+    { for (i = 2; i <= 4; i++) value[NR, i] = $i + 0 }
+    END { for (i = 2; i <= 4; i++) same += value[1, i] > 0 && value[1, i] == value[2, i]
+          exit !(NR == 2 && same == 3) }'
+said $? "the scene is what the program feels: $(cat "$room/program")"
+
+# The packages: Unity's sources as they lie in it, and what is listed.
+unity=$build/csharp/com.dynpoint.dynpoint
+compile "$room/InUnity.exe" -d:UNITY_5_3_OR_NEWER -nowarn:649 $here/UnityEngine.cs $here/InUnity.cs \
+    $(find "$unity/Runtime" -name '*.cs') "$unity/Samples~/Touch/Touch.cs"
+mono_of InUnity
+for file in $(find "$unity" -mindepth 1 ! -name '*.meta' ! -path '*~*'); do
+    [ -s "$file.meta" ] || echo "$file"
+done >"$room/bare"
+[ ! -s "$room/bare" ] && [ -z "$(find "$unity" -name '*.meta' -exec sed -n 's/^guid: //p' {} + | sort | uniq -d)" ]
+said $? "each file of Unity's package has a .meta, with a number of its own $(head -n 1 "$room/bare")"
+python3 - "$build"/csharp/Dynpoint.*.nupkg "$build/csharp/libdynpoint_all.so" <<'END'
+import sys, zipfile
+from xml.etree import ElementTree
+nupkg, library = zipfile.ZipFile(sys.argv[1]), open(sys.argv[2], "rb").read()
+text = ElementTree.fromstring(nupkg.read("Dynpoint.nuspec")).findtext(".//{*}description")
+natives = [name for name in nupkg.namelist() if name.startswith("runtimes/linux-")]
+assert nupkg.testzip() is None and "Not run in Unity or .NET" in text and "lib/net45/Dynpoint.dll" in nupkg.namelist()
+assert any(nupkg.read(name) == library for name in natives)
+END
+said $? "the .nupkg has the assembly, the native library, and says what was not run"
+
+# Away from its library.
+mkdir "$room/alone"
+cp "$room/Dynpoint.dll" "$room/Touch.exe" "$room/alone"
+env -u LD_LIBRARY_PATH mono "$room/alone/Touch.exe" >"$room/alone/said" 2>&1
+grep -q "DllNotFoundException: libdynpoint_all.so cannot be loaded. It is looked for beside this assembly, in $room/alone" "$room/alone/said"
+said $? "without its library: $(grep -o 'DllNotFoundException.*' "$room/alone/said" | head -n 1)"
+
+if [ "${RELEASE:-no}" = yes ]; then
+    # Whatever is undefined ends the program.
+    make -s csharp-native B=build/ubsan CFLAGS='-O1 -g1' CONFIG_CFLAGS='-fsanitize=undefined -fno-sanitize-recover=all' >"$room/make" 2>&1
+    said $? "a library with UBSan: $(tail -n 1 "$room/make")"
+    rm "$room/libdynpoint_all.so"
+    cp build/ubsan/csharp/native/*/libdynpoint_all.so "$room"
+    echo "touch C#-on-UBSan $(mono "$room/Touch.exe")"
+    mono_of Tests tests/abi/layouts.txt
+    mono_of InUnity
+fi
