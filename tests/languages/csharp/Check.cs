@@ -72,6 +72,6 @@ static class Check
         Feel.Run();
         Misuse.Run();
         UnityFrames.Run();
-        return failed > 0 ? 1 : 0;
+        return failed > 0 ? 2 : 0;
     }
 }

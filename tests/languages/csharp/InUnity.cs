@@ -93,6 +93,6 @@ static class InUnity
     {
         Windings();
         Sample();
-        return failed > 0 ? 1 : 0;
+        return failed > 0 ? 2 : 0;
     }
 }
