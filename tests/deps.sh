@@ -29,7 +29,8 @@ python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its te
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv
 wheels|72 MB, 10 more of another machine, and some 310 from PyPI|the wheels of a release of the package of Python, also for AArch64|python3 python3-venv libjansson-dev libccd-dev qemu-user-static
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
-wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs'
+wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs
+languages|23 MB, and 35 more from PyPI|the same scene in C# and Java: Mono; a runtime of Java from PyPI, a compiler of Java|python3 python3-venv python3-pycparser mono-mcs mono-runtime libeclipse-jdt-core-java'
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
 names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
@@ -73,6 +74,7 @@ fetch() {
         sh tests/lib/venv.sh build/venv-wheels tests/python/requirements-wheels.txt && [ $foreign -eq 0 ]
         ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
+    languages) sh tests/lib/venv.sh build/venv-java tests/languages/java/requirements.txt ;;
     motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
     view) fetch_three ;;
     platforms) sh tests/lib/venv.sh build/venv-platforms tests/platforms/requirements.txt ;;

@@ -70,7 +70,7 @@ check "make test asks for nothing" test "$(grep -c '^apt' "$CALLS")" -eq 0 -a ! 
 
 asks make deps
 check "make deps installs nothing" untouched
-for group in light peers kinematics soft cross firmware vm motors view python newton wasm; do
+for group in light peers kinematics soft cross firmware vm motors view python newton wasm languages; do
     check "it lists $group with what it downloads" grep -qE "^$group +[0-9]+ MB.* to download: " "$scratch/says"
 done
 asks make deps firmware
@@ -81,7 +81,7 @@ check "two groups: $(installed)" test "$(installed)" = "$(echo "$firmware$light"
 asks make deps all
 sh "$here/tests/deps.sh" | sed -n 's/^            \([a-z]\)/\1/p' | grep -v '^missing here' | tr ' ' '\n' | sort -u >"$scratch/all"
 check "make deps all installs every package" test "$(installed)" = "$(tr '\n' ' ' <"$scratch/all")"
-check "and tries PyPI" test "$(grep -c '^python3 -m venv' "$CALLS")" -eq 6
+check "and tries PyPI" test "$(grep -c '^python3 -m venv' "$CALLS")" -eq 7
 check "and a kernel" grep -q '^apt-cache depends linux-image-amd64' "$CALLS"
 check "what could not be fetched gives status 2" test $status -eq 2
 view='chromium libwebsockets-dev nodejs npm pkg-config webp '
@@ -103,7 +103,7 @@ check "but when another is locked" test "$(grep -c '^npm ci' "$CALLS")" -eq 1
 rm "$scratch/bin/node" "$scratch/bin/npm"
 asks make deps nonesuch
 check "an unknown group is an error" test $status -eq 2
-check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python newton wheels platforms wasm or all' "$scratch/says"
+check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python newton wheels platforms wasm languages or all' "$scratch/says"
 check "and installs nothing" untouched
 (cd "$scratch/tree" && PATH="$scratch/bin:$scratch/rest" sh tests/vm/kernel.sh) >"$scratch/says" 2>&1
 check "a test alone fetches no kernel" test $? -eq 77 -a ! -s "$INSTALLED"

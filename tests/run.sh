@@ -118,6 +118,7 @@ else
     run "what is installed" sh tests/abi/install.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     run_reading "include src drivers tools tests/abi docs/samples" "Python's package" env RELEASE="$release" sh tests/python/check.sh build
+    run_reading "include src drivers tools tests/abi" "other languages, the same scene" env RELEASE="$release" sh tests/languages/check.sh build
     command_line build
     command_line build/sanitize
     for config in release scalar sanitize; do

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tests of the package of C#: Tests.exe LAYOUTS prints "ok WHAT" or "FAIL WHAT", a line a check (tests/languages/check.sh).
+// Tests of the package of C#: Tests.exe LAYOUTS prints "ok WHAT" or "FAIL WHAT", a line a check
+// (tests/languages/check.sh).
 using System;
 using System.Text.RegularExpressions;
 using Dynpoint;
@@ -59,7 +60,8 @@ static class Check
             int column = IntPtr.Size == 8 ? 0 : kind == "FIELD" ? 2 : 1;
             if (kind == "FIELD") line += rest[0] + " " + rest[1 + column] + " " + rest[2 + column];
             if (kind == "SIZE") line += rest[column];
-            if (kind == "VALUE") line += rest[0].StartsWith("0x") ? Convert.ToInt64(rest[0], 16) : long.Parse(rest[0].TrimEnd('u', 'U'));
+            if (kind == "VALUE") line += rest[0].StartsWith("0x") ? Convert.ToInt64(rest[0], 16)
+                : long.Parse(rest[0].TrimEnd('u', 'U'));
             if (told.Contains(line)) found++;
             else if (!line.StartsWith("VALUE DPT_RESULT_END")) missing += line + "; ";
         }

@@ -34,13 +34,15 @@ static class Feel
             double[] ends = { 0, 3, 0, 0, 5, 0, 4, 0.5, 0, 6, 0.5, 0 };
             Hit[] hits = box.Query(ends, new[] { 0.5, 0 });
             Check.That(hits[0].Distance == 2 && hits[0].Gap == 1.5 && hits[1].Distance == 3 && hits[1].Q.X == 1
-                       && hits[0].Status == Status.Exact && hits[1].Contact == ContactState.Separated, "queries: {0} and {1} m", hits[0].Distance, hits[1].Distance);
+                       && hits[0].Status == Status.Exact && hits[1].Contact == ContactState.Separated,
+                           "queries: {0} and {1} m", hits[0].Distance, hits[1].Distance);
             Hit[] again = new Hit[2];
             box.Query(new ReadOnlySpan<double>(ends), new ReadOnlySpan<double>(new[] { 0.5, 0 }), new Span<Hit>(again));
             Check.That(again[0].Equals(hits[0]) && again[1].Equals(hits[1]), "the same from a Span");
             using (Mesh opened = Mesh.Open(box.ToBytes()))
                 Check.That(opened.Query(ends)[1].Distance == 3 && opened.GetVertices().Length == 24
-                           && opened.GetTriangles().Length == 36 && opened.GetVertexSources().Length == 8, "opened anew from its bytes");
+                           && opened.GetTriangles().Length == 36 && opened.GetVertexSources().Length == 8,
+                               "opened anew from its bytes");
         }
     }
 
@@ -81,7 +83,8 @@ static class Feel
 
     static void Scenes()
     {
-        Check.That(Array.IndexOf(Scene.Names, "liver") >= 0, "scenes of the library: {0}", string.Join(", ", Scene.Names));
+        Check.That(Array.IndexOf(Scene.Names, "liver") >= 0, "scenes of the library: {0}",
+                   string.Join(", ", Scene.Names));
         int felt = 0;
         double strongest = 0, lag = 0;
         SceneOptions options = new SceneOptions();
@@ -97,16 +100,19 @@ static class Feel
         {
             LoopStats stats = scene.Run();
             HostInfo info = scene.Info;
-            Check.That(stats.Ticks == 3000 && felt == 3000 && info.Contacts > 1000 && lag > 1e-4, "a scene on a device: {0} ticks, {1} felt, {2:f4} m behind",
+            Check.That(stats.Ticks == 3000 && felt == 3000 && info.Contacts > 1000 && lag > 1e-4,
+                       "a scene on a device: {0} ticks, {1} felt, {2:f4} m behind",
                        stats.Ticks, felt, lag);
-            Check.That(Math.Abs(strongest - info.ForceMax) < 1e-12 * strongest, "Felt sees the strongest: {0} N", strongest);
+            Check.That(Math.Abs(strongest - info.ForceMax) < 1e-12 * strongest, "Felt sees the strongest: {0} N",
+                       strongest);
             // run.sh compares this line with what the program says.
             Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture, "scene {0} {1} {2:r}",
                                             info.Contacts, info.Penetrating, info.ForceMax));
         }
         using (Mesh box = MakeBox())
         {
-            SceneOptions own = new SceneOptions { Bodies = new[] { new SceneBody { Mesh = box, Name = "box", Pose = new Pose(0, -1, 0) } } };
+            SceneBody body = new SceneBody { Mesh = box, Name = "box", Pose = new Pose(0, -1, 0) };
+            SceneOptions own = new SceneOptions { Bodies = new[] { body } };
             own.Info = MakeInfo();
             own.Segments = new[] { new Segment(new Double3(0, 0, 0), new Double3(0, 0.1, 0), 0.01) };
             for (int k = 0; k < 3; k++) own.Def.Origin[k] = 0;
@@ -121,7 +127,8 @@ static class Feel
                     state.Pose.Position.Y -= 0.00015;
                     scene.Tick(state, state.TimeNs, out wrench);
                 }
-                Check.That(wrench.Force.Y > 0.5 && scene.Proxy.Position.Y > state.Pose.Position.Y, "a loop and a body of one's own: {0:f2} N",
+                Check.That(wrench.Force.Y > 0.5 && scene.Proxy.Position.Y > state.Pose.Position.Y,
+                           "a loop and a body of one's own: {0:f2} N",
                            wrench.Force.Y);
             }
         }

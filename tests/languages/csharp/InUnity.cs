@@ -12,7 +12,8 @@ static class InUnity
     static void That(bool isSo, string what, params object[] seen)
     {
         if (!isSo) failed++;
-        Console.WriteLine((isSo ? "ok " : "FAIL ") + string.Format(System.Globalization.CultureInfo.InvariantCulture, what, seen));
+        Console.WriteLine((isSo ? "ok " : "FAIL ") + string.Format(System.Globalization.CultureInfo.InvariantCulture,
+            what, seen));
     }
 
     static void Call(Touch touch, string name)
@@ -25,7 +26,10 @@ static class InUnity
     {
         Vector3[] corners = new Vector3[8];
         for (int i = 0; i < 8; i++) corners[i] = new Vector3((i & 1) * 2 - 1, (i >> 1 & 1) * 2 - 1, (i >> 2 & 1) * 2 - 1);
-        int[] triangles = { 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6 };
+        int[] triangles =
+        {
+            0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6,
+        };
         return new UnityEngine.Mesh { vertices = corners, triangles = triangles };
     }
 
@@ -34,7 +38,8 @@ static class InUnity
     {
         UnityEngine.Mesh sheet = new UnityEngine.Mesh
         {
-            vertices = new[] { new Vector3(-1, 0, -1), new Vector3(-1, 0, 1), new Vector3(1, 0, 1), new Vector3(1, 0, -1) },
+            vertices = new[] { new Vector3(-1, 0, -1), new Vector3(-1, 0, 1), new Vector3(1, 0, 1),
+                             new Vector3(1, 0, -1) },
             triangles = new[] { 0, 1, 2, 0, 2, 3 },
         };
         Vector3 up = Vector3.Cross(sheet.vertices[1] - sheet.vertices[0], sheet.vertices[2] - sheet.vertices[0]);
@@ -55,7 +60,8 @@ static class InUnity
 
     static void Sample()
     {
-        Touch touch = new Touch { organ = new MeshFilter { sharedMesh = MakeCube() }, proxy = new Transform(), friction = 0 };
+        Touch touch = new Touch { organ = new MeshFilter { sharedMesh = MakeCube() }, proxy = new Transform() };
+        touch.friction = 0;
         touch.organ.transform.lossyScale = new Vector3(0.5f, 0.1f, 0.25f);
         // A slab of 1 x 0.2 x 0.5 m, turned by 90 degrees about Unity's y, which brings z to x.
         touch.organ.transform.rotation = new Quaternion(0, (float)Math.Sqrt(0.5), 0, (float)Math.Sqrt(0.5));
@@ -69,8 +75,10 @@ static class InUnity
             Call(touch, "FixedUpdate");
         }
         // Its stylus lies along z, from -0.35 to -0.2, 20 mm deep in the slab, which begins at -0.5.
-        That(touch.Force.y > 5 && Math.Abs(touch.Force.x) < 1e-3 && Math.Abs(touch.Force.z) < 1e-3, "pushed up, in Unity's frame: {0} N", touch.Force);
-        That(touch.proxy.position.y > 0.101f && touch.proxy.position.y < 0.103f, "the proxy lies on it: {0}", touch.proxy.position);
+        That(touch.Force.y > 5 && Math.Abs(touch.Force.x) < 1e-3 && Math.Abs(touch.Force.z) < 1e-3,
+             "pushed up, in Unity's frame: {0} N", touch.Force);
+        That(touch.proxy.position.y > 0.101f && touch.proxy.position.y < 0.103f, "the proxy lies on it: {0}",
+             touch.proxy.position);
         That(Debug.Rays.Count == 60 && Debug.Rays[59].y > 0, "its force is drawn");
         // The push is at the stylus' middle.
         Vector3 expected = Vector3.Cross(new Vector3(0, 0, 0.075f), touch.Force);
@@ -84,7 +92,8 @@ static class InUnity
         Hit hit = tool.Hit;
         Vector3 tip = touch.transform.position + touch.transform.rotation * new Vector3(0, 0, touch.length);
         Vector3 along = hit.P.ToUnity() - touch.transform.position;
-        That(Vector3.Cross(along, tip - touch.transform.position).magnitude < 1e-6f && Math.Abs(hit.Distance - 0.2) < 1e-6,
+        That(Vector3.Cross(along, tip - touch.transform.position).magnitude < 1e-6f
+             && Math.Abs(hit.Distance - 0.2) < 1e-6,
              "a turned stylus lies where Unity has it: {0} of {1}", hit.P.ToUnity(), tip);
         Call(touch, "OnDisable");
     }

@@ -16,18 +16,27 @@ static class Misuse
         {
             Body body = world.AddBody(box);
             Tool tool = world.AddTool(rod);
-            Check.Refuses(Result.EFinite, () => tool.Pose = new Pose(double.NaN, 0, 0), "a pose of NaN", "Tool.Pose", "not finite");
+            Check.Refuses(Result.EFinite, () => tool.Pose = new Pose(double.NaN, 0, 0), "a pose of NaN", "Tool.Pose",
+                          "not finite");
             Check.Refuses(Result.EPose, () => body.Pose = new Pose(), "a pose of zeros", "Body.Pose", "quaternion");
-            Check.Refuses(Result.EArgument, () => world.Step(double.NaN), "a step of NaN", "World.Step", "DPT_E_ARGUMENT");
+            Check.Refuses(Result.EArgument, () => world.Step(double.NaN), "a step of NaN", "World.Step",
+                          "DPT_E_ARGUMENT");
             Check.Refuses(Result.EArgument, () => body.SetFriction(double.NaN, 0), "friction of NaN", "Body.Settings");
-            Check.Refuses(Result.EFinite, () => box.Query(new[] { 0, double.NaN, 0, 0, 0, 0 }), "a query of NaN", "Mesh.Query");
-            Check.Refuses(Result.EFinite, () => Mesh.Compile(new[] { 0, 0, 0, 1, 0, 0, double.NaN, 1, 0 }, new[] { 0, 1, 2 }), "a vertex of NaN", "not finite");
-            Check.Refuses(Result.EIndex, () => Mesh.Compile(Feel.Corners, new[] { 0, 1, 8 }), "a triangle without its vertex", "Mesh.Compile");
-            Check.Refuses(Result.EIndex, () => Mesh.Compile(Feel.Corners, new[] { 0, 1, -1 }), "a negative vertex", "Mesh.Compile");
-            Check.Throws<ArgumentException>(() => Mesh.Compile(new double[7], new int[3]), "seven numbers for vertices", "three numbers");
+            Check.Refuses(Result.EFinite, () => box.Query(new[] { 0, double.NaN, 0, 0, 0, 0 }), "a query of NaN",
+                          "Mesh.Query");
+            double[] bad = { 0, 0, 0, 1, 0, 0, double.NaN, 1, 0 };
+            Check.Refuses(Result.EFinite, () => Mesh.Compile(bad, new[] { 0, 1, 2 }), "a vertex of NaN", "not finite");
+            Check.Refuses(Result.EIndex, () => Mesh.Compile(Feel.Corners, new[] { 0, 1, 8 }),
+                          "a triangle without its vertex", "Mesh.Compile");
+            Check.Refuses(Result.EIndex, () => Mesh.Compile(Feel.Corners, new[] { 0, 1, -1 }), "a negative vertex",
+                          "Mesh.Compile");
+            Check.Throws<ArgumentException>(() => Mesh.Compile(new double[7], new int[3]), "seven numbers for vertices",
+                                            "three numbers");
             Check.Throws<ArgumentException>(() => box.Query(new double[7]), "seven numbers for a segment", "six numbers");
-            Check.Throws<ArgumentException>(() => box.Query(new double[12], new double[1]), "one radius for two", "one radius");
-            Check.Throws<ArgumentOutOfRangeException>(() => Mesh.Load("none.obj", double.NaN), "a unit of NaN", "metres per unit");
+            Check.Throws<ArgumentException>(() => box.Query(new double[12], new double[1]), "one radius for two",
+                                            "one radius");
+            Check.Throws<ArgumentOutOfRangeException>(() => Mesh.Load("none.obj", double.NaN), "a unit of NaN",
+                                                      "metres per unit");
             Check.Throws<ArgumentNullException>(() => world.AddBody(null), "a body without a mesh");
             Check.Refuses(Result.EArgument, () => world.AddTool(), "a tool without segments", "World.AddTool");
             Check.Refuses(Result.EArgument, () => new World(new WorldDef()), "a world for nothing", "World");
@@ -36,10 +45,14 @@ static class Misuse
             float[] places = soft.GetVertices();
             places[4] = float.NaN;
             Check.Refuses(Result.EFinite, () => soft.SetVertices(places), "vertices of NaN", "SetVertices");
-            Check.Refuses(Result.EArgument, () => soft.SetVertices(new float[27]), "more vertices than there are", "SetVertices");
-            Check.Refuses(Result.EArgument, () => soft.SetVertices(new float[3], -1), "vertices from -1 on", "SetVertices");
-            Check.Throws<ArgumentException>(() => soft.SetVertices(new float[4]), "four numbers for vertices", "three numbers");
-            Check.Throws<ArgumentException>(() => soft.SetNodes(new float[3]), "nodes of a mesh that has none", "wanted 0");
+            Check.Refuses(Result.EArgument, () => soft.SetVertices(new float[27]), "more vertices than there are",
+                          "SetVertices");
+            Check.Refuses(Result.EArgument, () => soft.SetVertices(new float[3], -1), "vertices from -1 on",
+                          "SetVertices");
+            Check.Throws<ArgumentException>(() => soft.SetVertices(new float[4]), "four numbers for vertices",
+                                            "three numbers");
+            Check.Throws<ArgumentException>(() => soft.SetNodes(new float[3]), "nodes of a mesh that has none",
+                                            "wanted 0");
             Check.Throws<IndexOutOfRangeException>(() => Console.WriteLine(new Double3()[3]), "a fourth coordinate");
         }
     }
@@ -82,7 +95,8 @@ static class Misuse
         Check.Refuses(Result.EMagic, () => Mesh.Open(new byte[4096]), "bytes of something else", "Mesh.Open");
         bytes[bytes.Length / 2] ^= 1;
         Check.Refuses(Result.EChecksum, () => Mesh.Open(bytes), "bytes that are damaged", "Mesh.Open", "damaged");
-        Check.Throws<System.IO.FileNotFoundException>(() => Mesh.Load("none.dpa"), "a file that is not there", "none.dpa");
+        Check.Throws<System.IO.FileNotFoundException>(() => Mesh.Load("none.dpa"), "a file that is not there",
+                                                      "none.dpa");
         Check.Refuses(Result.EOpen, () => Mesh.Load("none.obj", 1), "a source that is not there", "none.obj");
         Check.Throws<ArgumentException>(() => Mesh.Load("a\0b", 1), "a path with a zero in it", "zero");
     }
@@ -143,8 +157,10 @@ static class Misuse
 
     static void Scenes()
     {
-        Check.Throws<DynpointException>(() => new Scene("nothing.dpa", "sim:"), "a scene that is not there", "nothing.dpa", "opened");
-        Check.Throws<DynpointException>(() => new Scene("liver", "sim:?hand=nothing"), "a device of no such hand", "nothing");
+        Check.Throws<DynpointException>(() => new Scene("nothing.dpa", "sim:"), "a scene that is not there",
+                                        "nothing.dpa", "opened");
+        Check.Throws<DynpointException>(() => new Scene("liver", "sim:?hand=nothing"), "a device of no such hand",
+                                        "nothing");
         Check.Throws<DynpointException>(() => new Scene("liver", null), "a scene without a device", "device");
         SceneOptions options = new SceneOptions { Felt = tick => { throw new TimeoutException("enough"); } };
         using (Scene scene = new Scene("liver", "sim:?hand=press", options))

@@ -27,7 +27,8 @@ static class Touch
         for (int r = 0; r <= Rings; r++)
             for (int k = 0; k < Sides; k++)
             {
-                double[] height = Circle(r), turn = Circle(k), place = { 0.05 * height[1] * turn[0], 0.05 * height[1] * turn[1], 0.05 * height[0] };
+                double[] height = Circle(r), turn = Circle(k);
+                double[] place = { 0.05 * height[1] * turn[0], 0.05 * height[1] * turn[1], 0.05 * height[0] };
                 place.CopyTo(vertices, 3 * (r * Sides + k));
                 int a = r * Sides + k, b = r * Sides + (k + 1) % Sides;
                 if (r < Rings) new[] { a, a + Sides, b, b, a + Sides, b + Sides }.CopyTo(corners, 6 * a);
@@ -43,7 +44,8 @@ static class Touch
     static Pose Path(int tick)
     {
         double u = (Fold(tick, 2000) - 1000) * 0.00005;
-        return new Pose(new Double3((Fold(tick, 1500) - 750) * 0.00002, (Fold(tick, 1100) - 550) * 0.00002, 0.05 + Fold(tick, 500) * 0.00001),
+        return new Pose(new Double3((Fold(tick, 1500) - 750) * 0.00002, (Fold(tick, 1100) - 550) * 0.00002,
+                                    0.05 + Fold(tick, 500) * 0.00001),
                         new Rotation((1 - u * u) / (1 + u * u), 0, 2 * u / (1 + u * u), 0));
     }
 
@@ -74,6 +76,7 @@ static class Touch
             foreach (double x in new[] { w.Force.X, w.Force.Y, w.Force.Z, w.Torque.X, w.Torque.Y, w.Torque.Z })
                 for (int shift = 0; shift < 64; shift += 8)
                     hash = (hash ^ ((ulong)BitConverter.DoubleToInt64Bits(x) >> shift & 255)) * 1099511628211;
-        Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture, "{0:x16} {1} {2:f6}", hash, Ticks, least));
+        Console.WriteLine(string.Format(System.Globalization.CultureInfo.InvariantCulture, "{0:x16} {1} {2:f6}", hash,
+                                        Ticks, least));
     }
 }

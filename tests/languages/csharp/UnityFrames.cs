@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Unity's frame and back. Unity's own rules are written here once more: it rotates by q v q*, and its cross product is the
-// usual formula; in a left-handed frame both turn the other way, which is what a mirror does.
+// Unity's frame and back. Unity's own rules are written here once more: it rotates by q v q*, and its cross product is
+// the usual formula; in a left-handed frame both turn the other way, which is what a mirror does.
 using System;
 using Dynpoint;
 
@@ -54,7 +54,8 @@ static class UnityFrames
         {
             Double3[] c = new Double3[3];
             for (int k = 0; k < 3; k++)
-                c[k] = new Double3(vertices[3 * triangles[i + k]], vertices[3 * triangles[i + k] + 1], vertices[3 * triangles[i + k] + 2]);
+                c[k] = new Double3(vertices[3 * triangles[i + k]], vertices[3 * triangles[i + k] + 1],
+                                   vertices[3 * triangles[i + k] + 2]);
             Double3 n = Cross(c[0], c[1]);
             six += n.X * c[2].X + n.Y * c[2].Y + n.Z * c[2].Z;
         }
@@ -79,14 +80,17 @@ static class UnityFrames
             Double3 twice = Rotate(second, Rotate(unity.Orientation, point));
             Double3 also = Rotate(UnityFrame.Mirror(second), Rotate(ours.Orientation, UnityFrame.Mirror(point)));
             turned = Math.Max(turned, Apart(UnityFrame.Mirror(also), twice));
-            // The torque of a force at a place: Unity's AddForceAtPosition is AddForce with AddTorque of the cross product.
+            // The torque of a force at a place: Unity's AddForceAtPosition is AddForce with AddTorque of the cross
+            // product.
             Double3 force = AnyVector();
-            Wrench wrench = new Wrench { Force = UnityFrame.Mirror(force), Torque = Cross(UnityFrame.Mirror(point), UnityFrame.Mirror(force)) };
+            Wrench wrench = new Wrench { Force = UnityFrame.Mirror(force) };
+            wrench.Torque = Cross(UnityFrame.Mirror(point), wrench.Force);
             Wrench back = UnityFrame.Mirror(wrench);
             torque = Math.Max(torque, Apart(back.Torque, Cross(point, force)) + Apart(back.Force, force));
         }
         Check.That(isBack, "10,000 poses to the library's frame and back: the same bits");
-        Check.That(place < 1e-12 && turned < 1e-12, "points and turns of them are the same: {0:e1}, {1:e1}", place, turned);
+        Check.That(place < 1e-12 && turned < 1e-12, "points and turns of them are the same: {0:e1}, {1:e1}", place,
+                   turned);
         Check.That(torque < 1e-15, "torques of forces at places are the same: {0:e1}", torque);
         // A small turn about a torque moves a point as the torque does, in both frames.
         Double3 axis = new Double3(0, 1e-4, 0), at = new Double3(1, 0, 0);
@@ -112,7 +116,8 @@ static class UnityFrames
                 isOutward &= mesh.Info.TurnedTriangles == 0 && mesh.Info.InwardComponents == 0;
             if (i == 0)
                 using (Mesh wrong = Mesh.Compile(ours, Feel.Triangles))
-                    Check.That(wrong.Info.TurnedTriangles == 12, "without the other winding the compiler would turn them all");
+                    Check.That(wrong.Info.TurnedTriangles == 12,
+                               "without the other winding the compiler would turn them all");
         }
         Check.That(isBack, "100 meshes there and back: the same");
         Check.That(isOutward && apart < 1e-12, "their front stays outside, their volume the same: {0:e1}", apart);

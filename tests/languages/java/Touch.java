@@ -38,7 +38,8 @@ final class Touch {
 
     static double[] path(int tick) {
         double u = (fold(tick, 2000) - 1000) * 0.00005;
-        return new double[] { (fold(tick, 1500) - 750) * 0.00002, (fold(tick, 1100) - 550) * 0.00002, 0.05 + fold(tick, 500) * 0.00001,
+        return new double[] { (fold(tick, 1500) - 750) * 0.00002, (fold(tick, 1100) - 550) * 0.00002,
+                              0.05 + fold(tick, 500) * 0.00001,
                               (1 - u * u) / (1 + u * u), 0, 2 * u / (1 + u * u), 0 };
     }
 

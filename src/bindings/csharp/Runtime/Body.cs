@@ -112,7 +112,8 @@ namespace Dynpoint
         }
     }
 
-    /// <summary>A body whose vertices are moved: by you, or by Springs. Numbers of vertices are those of Mesh.GetVertices.</summary>
+    /// <summary>A body whose vertices are moved: by you, or by Springs. Numbers of vertices are those of
+    /// Mesh.GetVertices.</summary>
     public sealed unsafe class DeformableBody : Body
     {
         internal DeformableBody(World world, Mesh mesh, uint id, Block memory) : base(world, mesh, id, memory)
@@ -128,8 +129,8 @@ namespace Dynpoint
             return def;
         }
 
-        /// <summary>Moves vertices, from `first` on: three coordinates each, in the body's frame, m. None moves farther than
-        /// `bound`; below 0 it is measured.</summary>
+        /// <summary>Moves vertices, from `first` on: three coordinates each, in the body's frame, m. None moves farther
+        /// than `bound`; below 0 it is measured.</summary>
         public void SetVertices(float[] positions, int first = 0, double bound = -1)
         {
             if (positions == null) throw new ArgumentNullException("positions");
@@ -146,12 +147,13 @@ namespace Dynpoint
 
         private void SetVertices(float* positions, int length, int first, double bound)
         {
-            if (length % 3 != 0) throw new ArgumentException("DeformableBody.SetVertices: wanted three numbers for each vertex");
-            Finish(Native.dpt_body_set_vertices(World.Enter("DeformableBody.SetVertices"), Id, (uint)first, (uint)(length / 3),
-                                                positions, bound), "DeformableBody.SetVertices");
+            const string what = "DeformableBody.SetVertices";
+            if (length % 3 != 0) throw new ArgumentException(what + ": wanted three numbers for each vertex");
+            Finish(Native.dpt_body_set_vertices(World.Enter(what), Id, (uint)first, (uint)(length / 3), positions, bound), what);
         }
 
-        /// <summary>Moves the vertices with the nodes that they are embedded in: three numbers for each of all nodes.</summary>
+        /// <summary>Moves the vertices with the nodes that they are embedded in: three numbers for each of all
+        /// nodes.</summary>
         public void SetNodes(float[] nodes)
         {
             const string what = "DeformableBody.SetNodes";
@@ -165,7 +167,8 @@ namespace Dynpoint
             if (result == Result.Ok && isRight)
                 fixed (float* n = nodes) result = Native.dpt_body_set_nodes(world, Id, n);
             Finish(result, what);
-            if (!isRight) throw new ArgumentException(what + ": wanted " + 3 * (long)count + " numbers, not " + nodes.Length);
+            if (!isRight) throw new ArgumentException(what + ": wanted " + 3 * (long)count + " numbers, not "
+                                                      + nodes.Length);
         }
 
         /// <summary>Where the vertices are, in the body's frame, m: a copy.</summary>
@@ -199,8 +202,8 @@ namespace Dynpoint
             }
         }
 
-        /// <summary>After a step of the world: the springs go on by dt, and the vertices with them. Null for a body with a
-        /// compliance. See dpt_body_step_springs.</summary>
+        /// <summary>After a step of the world: the springs go on by dt, and the vertices with them. Null for a body with
+        /// a compliance. See dpt_body_step_springs.</summary>
         public SpringsInfo StepSprings(Springs springs, double dt)
         {
             const string what = "DeformableBody.StepSprings";

@@ -83,12 +83,13 @@ namespace Dynpoint
             }
             catch (EntryPointNotFoundException error)
             {
-                throw new DllNotFoundException(FileName() + " is there, but is none of dynpoint's: " + error.Message, error);
+                throw new DllNotFoundException(FileName() + " is there, but is none of dynpoint's: " + error.Message,
+                                               error);
             }
             Version wanted = new Version(Native.Version);
             if (number < ((uint)wanted.Major << 16 | (uint)wanted.Minor << 8))
-                throw new DllNotFoundException(FileName() + " has the number " + number.ToString("x6") + ": it is older than "
-                                               + Native.Version + ", which these sources were made for");
+                throw new DllNotFoundException(FileName() + " has the number " + number.ToString("x6")
+                                               + ": it is older than " + Native.Version + ", which these sources were made for");
             isThere = true;
         }
 
@@ -106,7 +107,7 @@ namespace Dynpoint
             return FileName() + " cannot be loaded. It is looked for beside this assembly, in " + folder + ", then in "
                 + variable + " (" + (Environment.GetEnvironmentVariable(variable) ?? "not set") + ") and in the system's folders."
                 + " `make csharp` builds it. In Unity it belongs into Plugins of the package, in a project of .NET into"
-                + " runtimes/RID/native. If it is there, it may be for another processor, or lack a library that it needs.";
+                + " runtimes/RID/native. If it is there, it may be for another processor, or lack a library of its own.";
         }
     }
 }

@@ -6,8 +6,8 @@ using System.Threading;
 namespace Dynpoint
 {
     /// <summary>
-    /// Memory that does not move, and that several users share: it is freed when it is closed and nobody uses it any more,
-    /// or when nobody has it.
+    /// Memory that does not move, and that several users share: it is freed when it is closed and nobody uses it any
+    /// more, or when nobody has it.
     /// </summary>
     internal abstract class Memory : SafeHandle
     {

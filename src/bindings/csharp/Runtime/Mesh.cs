@@ -44,8 +44,8 @@ namespace Dynpoint
     }
 
     /// <summary>
-    /// A compiled mesh. It does not change, and all threads may share it. After Dispose its methods throw; a world that has
-    /// a body of it keeps its memory as long as it is needed.
+    /// A compiled mesh. It does not change, and all threads may share it. After Dispose its methods throw; a world that
+    /// has a body of it keeps its memory as long as it is needed.
     /// </summary>
     public sealed unsafe class Mesh : IDisposable
     {
@@ -81,7 +81,8 @@ namespace Dynpoint
             return Open(File.ReadAllBytes(path));
         }
 
-        /// <summary>A file of triangles (OBJ, STL, PLY, OFF), compiled; 0.001 metres per unit is one of millimetres.</summary>
+        /// <summary>A file of triangles (OBJ, STL, PLY, OFF), compiled; 0.001 metres per unit is one of
+        /// millimetres.</summary>
         public static Mesh Load(string path, double metresPerUnit, CompileOptions options = null)
         {
             if (path == null) throw new ArgumentNullException("path");
@@ -99,9 +100,10 @@ namespace Dynpoint
             }
         }
 
-        /// <summary>Triangles from arrays: three coordinates a vertex, three vertices a triangle, seen from outside against
-        /// the clock.</summary>
-        public static Mesh Compile(double[] vertices, int[] corners, double metresPerUnit = 1, CompileOptions options = null)
+        /// <summary>Triangles from arrays: three coordinates a vertex, three vertices a triangle, seen from outside
+        /// against the clock.</summary>
+        public static Mesh Compile(double[] vertices, int[] corners, double metresPerUnit = 1,
+                                   CompileOptions options = null)
         {
             if (vertices == null) throw new ArgumentNullException("vertices");
             if (corners == null) throw new ArgumentNullException("corners");
@@ -209,8 +211,8 @@ namespace Dynpoint
             return copy;
         }
 
-        /// <summary>The nearest pair of each of n segments and the mesh: ends are 6 n numbers, ax, ay, az, bx, by, bz; radii
-        /// n, or null for 0.</summary>
+        /// <summary>The nearest pair of each of n segments and the mesh: ends are 6 n numbers, ax, ay, az, bx, by, bz;
+        /// radii n, or null for 0.</summary>
         public Hit[] Query(double[] ends, double[] radii = null, bool pairOnly = false)
         {
             if (ends == null) throw new ArgumentNullException("ends");
@@ -229,7 +231,7 @@ namespace Dynpoint
         public void Query(ReadOnlySpan<double> ends, ReadOnlySpan<double> radii, Span<Hit> hits, bool pairOnly = false)
         {
             if (ends.Length != 6 * hits.Length || (radii.Length != 0 && radii.Length != hits.Length))
-                throw new ArgumentException("Mesh.Query: wanted six numbers and one hit for each segment, and one radius or none");
+                throw new ArgumentException("Mesh.Query: wanted six numbers and one hit for each segment, one radius or none");
             fixed (double* e = &MemoryMarshal.GetReference(ends))
             fixed (double* r = &MemoryMarshal.GetReference(radii))
             fixed (Hit* h = &MemoryMarshal.GetReference(hits))

@@ -50,8 +50,8 @@ namespace Dynpoint
         /// <summary>The device of a loop of your own, where the scene opens none: Scene.Tick.</summary>
         public DeviceInfo? Info;
 
-        /// <summary>Called after each tick of Run, in the thread that runs it. It must not wait. An exception ends the run,
-        /// and comes out of it.</summary>
+        /// <summary>Called after each tick of Run, in the thread that runs it. It must not wait. An exception ends the
+        /// run, and comes out of it.</summary>
         public Action<SceneTick> Felt;
     }
 
@@ -179,12 +179,17 @@ namespace Dynpoint
             {
                 Library.Load();
                 List<string> names = new List<string>();
-                for (string name; (name = Utf8.Read(Native.dpt_host_get_scene((uint)names.Count), 100)) != null;) names.Add(name);
-                return names.ToArray();
+                while (true)
+                {
+                    string name = Utf8.Read(Native.dpt_host_get_scene((uint)names.Count), 100);
+                    if (name == null) return names.ToArray();
+                    names.Add(name);
+                }
             }
         }
 
-        /// <summary>What a person should know after the last call, as that the coupling is softer than was asked for; or "".</summary>
+        /// <summary>What a person should know after the last call, as that the coupling is softer than was asked for; or
+        /// "".</summary>
         public string Note { get; private set; }
 
         /// <summary>Serves the device in this thread, until Stop, after Def.Ticks, or when the device is lost.</summary>
@@ -218,8 +223,8 @@ namespace Dynpoint
             }
         }
 
-        /// <summary>One tick of a loop of your own. The wrench is to be sent whatever is returned: ENotReady while the clutch
-        /// is down, and Ok also without a fresh sample.</summary>
+        /// <summary>One tick of a loop of your own. The wrench is to be sent whatever is returned: ENotReady while the
+        /// clutch is down, and Ok also without a fresh sample.</summary>
         public Result Tick(DeviceState state, ulong nowNs, out Wrench wrench)
         {
             Wrench sent;
@@ -250,7 +255,8 @@ namespace Dynpoint
             {
                 Pose pose;
                 IntPtr host = Enter("Scene.Proxy");
-                Result result = Native.dpt_tool_get_proxy(Native.dpt_host_get_world(host), Native.dpt_host_get_tool(host), &pose);
+                Result result = Native.dpt_tool_get_proxy(Native.dpt_host_get_world(host), Native.dpt_host_get_tool(host),
+                                                          &pose);
                 Leave();
                 DynpointException.Check(result, "Scene.Proxy");
                 return pose;
@@ -266,7 +272,8 @@ namespace Dynpoint
             if (scene == null || scene.failure != null) return;
             try
             {
-                SceneTick tick = new SceneTick { State = *(DeviceState*)sample->State, Wrench = *wrench, Result = result, Dt = sample->Dt };
+                SceneTick tick = new SceneTick { Wrench = *wrench, Result = result, Dt = sample->Dt };
+                tick.State = *(DeviceState*)sample->State;
                 IntPtr world = Native.dpt_host_get_world(host);
                 uint tool = Native.dpt_host_get_tool(host);
                 Native.dpt_tool_get_pose(world, tool, &tick.Held);

@@ -83,7 +83,8 @@ namespace Dynpoint
             SpringsInfo info = SpringsInfo.Sized();
             Result result;
             fixed (Load* l = loads)
-                result = Native.dpt_springs_step(Enter("Springs.Step"), dt, l, loads == null ? 0 : (uint)loads.Length, &info);
+                result = Native.dpt_springs_step(Enter("Springs.Step"), dt, l, loads == null ? 0 : (uint)loads.Length,
+                                                 &info);
             Leave();
             DynpointException.Check(result, "Springs.Step");
             return info;
@@ -106,10 +107,12 @@ namespace Dynpoint
         public void SetPositions(float[] positions, int first = 0)
         {
             if (positions == null) throw new ArgumentNullException("positions");
-            if (positions.Length % 3 != 0) throw new ArgumentException("Springs.SetPositions: wanted three numbers for each node");
+            if (positions.Length % 3 != 0)
+                throw new ArgumentException("Springs.SetPositions: wanted three numbers for each node");
             Result result;
             fixed (float* p = positions)
-                result = Native.dpt_springs_set_nodes(Enter("Springs.SetPositions"), (uint)first, (uint)(positions.Length / 3), p, null);
+                result = Native.dpt_springs_set_nodes(Enter("Springs.SetPositions"), (uint)first,
+                                                      (uint)(positions.Length / 3), p, null);
             Leave();
             DynpointException.Check(result, "Springs.SetPositions");
         }

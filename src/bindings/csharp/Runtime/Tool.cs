@@ -119,7 +119,8 @@ namespace Dynpoint
         public Hit GetSegmentHit(int segment)
         {
             Hit hit = Dynpoint.Hit.Sized();
-            Finish(Native.dpt_tool_get_segment_hit(World.Enter("Tool.GetSegmentHit"), Id, (uint)segment, &hit), "Tool.GetSegmentHit");
+            Finish(Native.dpt_tool_get_segment_hit(World.Enter("Tool.GetSegmentHit"), Id, (uint)segment, &hit),
+                   "Tool.GetSegmentHit");
             return hit;
         }
 
@@ -175,7 +176,8 @@ namespace Dynpoint
             if (body == null) throw new ArgumentNullException("body");
             if (body.World != World) throw new ArgumentException("Tool.GetBodyWrench: wanted a body of the tool's world");
             Wrench wrench;
-            Finish(Native.dpt_tool_get_body_wrench(World.Enter("Tool.GetBodyWrench"), Id, body.Id, &wrench), "Tool.GetBodyWrench");
+            Finish(Native.dpt_tool_get_body_wrench(World.Enter("Tool.GetBodyWrench"), Id, body.Id, &wrench),
+                   "Tool.GetBodyWrench");
             return wrench;
         }
 
@@ -184,7 +186,8 @@ namespace Dynpoint
         {
             Sweep sweep = Sweep.Sized();
             Pose end = pose;
-            Finish(Native.dpt_tool_try_pose(World.Enter("Tool.TryPose"), Id, &pose, clearance, &sweep, &end), "Tool.TryPose");
+            Finish(Native.dpt_tool_try_pose(World.Enter("Tool.TryPose"), Id, &pose, clearance, &sweep, &end),
+                   "Tool.TryPose");
             reached = end;
             return sweep;
         }

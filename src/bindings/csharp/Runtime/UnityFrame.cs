@@ -5,8 +5,8 @@ namespace Dynpoint
 {
     /// <summary>
     /// Unity's frame and the library's. Both have y up and x to the right; Unity's z points forward, and its frame is
-    /// left-handed; the library's z points back. So z changes its sign. What turns (rotations, torques, angular velocities)
-    /// is mirrored the other way round, and so is the winding of triangles. Each function is its own inverse.
+    /// left-handed; the library's z points back. So z changes its sign. What turns (rotations, torques, angular
+    /// velocities) is mirrored the other way round, and so is the winding of triangles. Each function is its own inverse.
     /// </summary>
     public static class UnityFrame
     {

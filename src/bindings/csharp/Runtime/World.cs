@@ -5,8 +5,9 @@ using System.Collections.Generic;
 namespace Dynpoint
 {
     /// <summary>
-    /// Bodies, and tools that feel them. One thread at a time may be in it, its bodies and its tools: a second one gets an
-    /// InvalidOperationException, and nothing happens. Different worlds may run in different threads, and share meshes.
+    /// Bodies, and tools that feel them. One thread at a time may be in it, its bodies and its tools: a second one gets
+    /// an InvalidOperationException, and nothing happens. Different worlds may run in different threads, and share
+    /// meshes.
     /// </summary>
     public sealed unsafe class World : Exclusive, IDisposable
     {
@@ -111,7 +112,8 @@ namespace Dynpoint
                 if (bytes == UIntPtr.Zero) throw DynpointException.Make(Result.EArgument, "World.AddDeformable", null);
                 memory = new Block(bytes);
                 uint id;
-                Result result = Native.dpt_body_add_deformable(Enter("World.AddDeformable"), (void*)memory.Start, bytes, &def, &id);
+                Result result = Native.dpt_body_add_deformable(Enter("World.AddDeformable"), (void*)memory.Start, bytes,
+                    &def, &id);
                 Leave();
                 DynpointException.Check(result, "World.AddDeformable");
                 DeformableBody body = new DeformableBody(this, mesh, id, memory);
@@ -164,12 +166,14 @@ namespace Dynpoint
         }
 
         /// <summary>Several bodies go on by dt, each by its springs: a tool that touches more than one is solved for with
-        /// all that it touches. See dpt_bodies_step_springs. A null among the springs is a body with a compliance.</summary>
+        /// all that it touches. See dpt_bodies_step_springs. A null among the springs is a body with a
+        /// compliance.</summary>
         public void StepSprings(DeformableBody[] moved, Springs[] springs, double dt)
         {
             if (moved == null) throw new ArgumentNullException("moved");
             if (springs == null) throw new ArgumentNullException("springs");
-            if (moved.Length != springs.Length) throw new ArgumentException("World.StepSprings: wanted springs for each body");
+            if (moved.Length != springs.Length)
+                throw new ArgumentException("World.StepSprings: wanted springs for each body");
             uint[] ids = new uint[moved.Length];
             IntPtr[] addresses = new IntPtr[moved.Length];
             int entered = 0;

@@ -7,7 +7,7 @@ import static java.lang.foreign.ValueLayout.*;
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 
-/** A compiled mesh. It does not change, and threads share it. Its memory goes when nobody has it: a world keeps its own. */
+/** A compiled mesh. It does not change, and threads share it. Its memory goes when nobody has it, a world included. */
 public final class Mesh implements AutoCloseable {
     private final MemorySegment mesh;
     private volatile boolean isClosed;
@@ -32,18 +32,20 @@ public final class Mesh implements AutoCloseable {
     public static Mesh load(String path, double metresPerUnit) {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment made = call.allocate(dpt_compiled.LAYOUT), diag = dpt_diag.sized(call);
-            return take(dpt_compile_file(call.allocateFrom(path), def(call, metresPerUnit), made, diag), made, diag, path);
+            int result = dpt_compile_file(call.allocateFrom(path), def(call, metresPerUnit), made, diag);
+            return take(result, made, diag, path);
         }
     }
 
-    /** Triangles from arrays: three coordinates a vertex, m; three vertices a triangle, seen from outside against the clock. */
+    /** Three coordinates a vertex, m; three vertices a triangle, seen from outside against the clock. */
     public static Mesh compile(double[] vertices, int[] corners) {
         if (vertices.length % 3 != 0 || corners.length % 3 != 0)
             throw new IllegalArgumentException("wanted three numbers for each vertex and each triangle");
         try (Arena call = Arena.ofConfined()) {
             MemorySegment made = call.allocate(dpt_compiled.LAYOUT), diag = dpt_diag.sized(call);
             return take(dpt_compile_arrays(call.allocateFrom(JAVA_DOUBLE, vertices), vertices.length / 3,
-                                           call.allocateFrom(JAVA_INT, corners), corners.length / 3, def(call, 1), made, diag),
+                                           call.allocateFrom(JAVA_INT, corners), corners.length / 3, def(call, 1),
+                                           made, diag),
                         made, diag, "Mesh.compile");
         }
     }

@@ -21,7 +21,8 @@ public final class Scene implements AutoCloseable {
     public Scene(String scene, String device, long ticks) {
         MemorySegment opened = null;
         try (Arena call = Arena.ofConfined()) {
-            MemorySegment def = call.allocate(dpt_host_def.LAYOUT), out = call.allocate(ADDRESS), error = dpt_host_error.sized(call);
+            MemorySegment def = call.allocate(dpt_host_def.LAYOUT), out = call.allocate(ADDRESS),
+                error = dpt_host_error.sized(call);
             dpt_host_def_defaults(def, def.byteSize());
             dpt_host_def.scene(def, call.allocateFrom(scene));
             dpt_host_def.device(def, call.allocateFrom(device));
@@ -39,7 +40,7 @@ public final class Scene implements AutoCloseable {
         if (!isBusy.compareAndSet(false, true)) throw new IllegalStateException(what + ": another call is in this scene");
     }
 
-    /** Serves the device in this thread, until stop(), after the ticks, or when the device is lost. How many ticks it was. */
+    /** Serves the device in this thread, until stop(), after the ticks, or when it is lost. How many ticks it was. */
     public long run() {
         enter("Scene.run");
         try (Arena call = Arena.ofConfined()) {

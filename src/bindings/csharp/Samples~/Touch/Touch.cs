@@ -3,8 +3,8 @@ using Dynpoint;
 using UnityEngine;
 
 /// <summary>
-/// A tool that touches what `organ` shows. Put it on an empty object, which you move by a device, a script or by hand: the
-/// stylus points along the object's z. `proxy` is drawn where the tool is that goes through nothing.
+/// A tool that touches what `organ` shows. Put it on an empty object, which you move by a device, a script or by hand:
+/// the stylus points along the object's z. `proxy` is drawn where the tool is that goes through nothing.
 /// </summary>
 public class Touch : MonoBehaviour
 {
