@@ -4,19 +4,21 @@
 
     abi_csharp.py abi.json FOLDER
 
-writes Structs.cs, Enums.cs and Native.cs into the folder, and Layouts.cs, which tests compile: what C# thinks of sizes and
-offsets, a line each. The text keeps to C# 7.0, as Unity, .NET and Mono's mcs know it.
+writes Structs.cs, Enums.cs and Native.cs into the folder, and Layouts.cs, which tests compile: what C# thinks of sizes
+and offsets, a line each. The text keeps to C# 7.0, as Unity, .NET and Mono's mcs know it.
 
-dpt_tool_settings.static_friction is ToolSettings.StaticFriction; functions keep their names. Arrays in structs are structs
-too: three doubles are a Double3, four a Rotation (W, X, Y, Z), characters a Text.
+dpt_body_settings.static_friction is BodySettings.StaticFriction; functions keep their names. Arrays in structs are
+structs too: three doubles are a Double3, four a Rotation (W, X, Y, Z), characters a Text.
 """
 import json
 import sys
 from os.path import basename, join
 
 NUMBERS = {"void": "void", "char": "byte", "bool": "byte", "i8": "sbyte", "i16": "short", "i32": "int", "i64": "long",
-           "u8": "byte", "u16": "ushort", "u32": "uint", "u64": "ulong", "usize": "UIntPtr", "f32": "float", "f64": "double"}
-KEYWORDS = {"in", "out", "ref", "params", "object", "base", "event", "lock", "fixed", "string", "is", "as", "new", "operator"}
+           "u8": "byte", "u16": "ushort", "u32": "uint", "u64": "ulong", "usize": "UIntPtr", "f32": "float",
+           "f64": "double"}
+KEYWORDS = {"in", "out", "ref", "params", "object", "base", "event", "lock", "fixed", "string", "is", "as", "new",
+            "operator"}
 # Enums whose prefix alone would be no good name, and fields of other names than their enum.
 ENUM_NAMES = {"DPT": "Result", "DPT_FORCE": "ForceReason", "DPT_COUPLING": "CouplingLimit",
               "DPT_IDENTIFIED": "IdentifiedPart"}
@@ -39,7 +41,8 @@ class Writer:
         self.headers = [header for library in abi["libraries"] for header in library["headers"]]
         self.structs = {s["name"]: s for h in self.headers for s in h["structs"] if s["fields"]}
         self.opaque = {s["name"] for h in self.headers for s in h["structs"] if not s["fields"]}
-        self.numbers = {n["name"]: NUMBERS[n["type"]] for h in self.headers for n in h["numbers"]} | {"dpt_result": "Result"}
+        self.numbers = {n["name"]: NUMBERS[n["type"]] for h in self.headers for n in h["numbers"]}
+        self.numbers["dpt_result"] = "Result"
         self.callbacks = {c["name"]: c for h in self.headers for c in h["callbacks"]}
         self.version = abi["version"]
         self.arrays, self.enums, self.constants = {}, {}, []
@@ -58,7 +61,8 @@ class Writer:
             return
         shared -= split[0][shared - 1] == "NO"
         prefix = "_".join(split[0][:shared])
-        self.enums[prefix] = [(pascal("_".join(parts[shared:])), name, value) for parts, (name, value) in zip(split, values)]
+        short = [pascal("_".join(parts[shared:])) for parts in split]
+        self.enums[prefix] = [(last, name, value) for last, (name, value) in zip(short, values)]
 
     def enum_name(self, prefix):
         name = ENUM_NAMES.get(prefix, pascal(prefix))
@@ -132,14 +136,16 @@ class Writer:
                 text += f"    [StructLayout(LayoutKind.Sequential)]\n    public partial struct {name}\n    {{\n"
                 for field in struct["fields"]:
                     text += f"        /// <summary>{struct['name']}.{field['name']}.</summary>\n"
-                    text += f"        public {self.field_type(struct['name'], field)} {self.field_name(struct['name'], field['name'])};\n"
+                    kind, called = self.field_type(struct["name"], field), self.field_name(struct["name"], field["name"])
+                    text += f"        public {kind} {called};\n"
                 if struct["fields"][0]["name"] == "size":
                     text += (f"\n        /// <summary>One with its size set, and all else 0.</summary>\n"
                              f"        public static unsafe {name} Sized()\n        {{\n"
                              f"            return new {name} {{ Size = (uint)sizeof({name}) }};\n        }}\n")
                 text += "    }\n\n"
         for callback in self.callbacks.values():
-            text += f"    /// <summary>{callback['name']}.</summary>\n    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n"
+            text += f"    /// <summary>{callback['name']}.</summary>\n"
+            text += "    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n"
             text += f"    public unsafe delegate {self.type_of(callback['result'])} {pascal(callback['name'])}("
             text += f"{self.parameters(callback)});\n\n"
         for kind, (base, count) in sorted(self.arrays.items()):
@@ -183,16 +189,23 @@ class Writer:
         }}
 """
         if named:
-            shown = " + \", \" + ".join(f"{name}.ToString(System.Globalization.CultureInfo.InvariantCulture)" for name in names)
-            text += f"\n        public override string ToString()\n        {{\n            return \"(\" + {shown} + \")\";\n        }}\n"
+            shown = " + \", \" + ".join(f"{name}.ToString(culture)" for name in names)
+            text += f"""
+        public override string ToString()
+        {{
+            IFormatProvider culture = System.Globalization.CultureInfo.InvariantCulture;
+            return "(" + {shown} + ")";
+        }}
+"""
         return text + "    }\n\n"
 
     def parameters(self, call):
-        return ", ".join(f"{self.type_of(one)} {'@' * (one['name'] in KEYWORDS)}{one['name']}" for one in call["parameters"])
+        return ", ".join(self.type_of(one) + " " + "@" * (one["name"] in KEYWORDS) + one["name"]
+                         for one in call["parameters"])
 
     def native_text(self):
-        text = """    /// <summary>The functions of the C headers, as they are. Pointers are not looked at: Mesh, World, Body, Tool, Springs
-    /// and Scene stand on these, and keep what they point to.</summary>
+        text = """    /// <summary>The functions of the C headers, as they are. Pointers are not looked at: Mesh, World,
+    /// Body, Tool, Springs and Scene stand on these, and keep what they point to.</summary>
     public static unsafe class Native
     {
 #if (UNITY_IOS || UNITY_WEBGL) && !UNITY_EDITOR
@@ -212,12 +225,14 @@ class Writer:
         return self.top("Functions") + text + "    }\n}\n"
 
     def layout_text(self):
-        text = "    public static unsafe class Layouts\n    {\n        public static void Tell(Action<string> say)\n        {\n"
+        text = "    public static unsafe class Layouts\n    {\n"
+        text += "        public static void Tell(Action<string> say)\n        {\n"
         for name, struct in self.structs.items():
             kind = pascal(name)
             for field in struct["fields"]:
+                called, type_ = self.field_name(name, field["name"]), self.field_type(name, field)
                 text += (f"            say(\"FIELD {name} {field['name']} \" + Marshal.OffsetOf(typeof({kind}), "
-                         f"\"{self.field_name(name, field['name'])}\") + \" \" + sizeof({self.field_type(name, field)}));\n")
+                         f"\"{called}\") + \" \" + sizeof({type_}));\n")
             text += f"            say(\"SIZE {name} \" + sizeof({kind}));\n"
         for name, _, _ in self.constants:
             text += f"            say(\"VALUE {name} \" + (long)Constants.{pascal(name)});\n"

@@ -18,9 +18,10 @@ NUMBERS = {"char": ("byte", "JAVA_BYTE", 1), "bool": ("byte", "JAVA_BYTE", 1), "
            "u64": ("long", "JAVA_LONG", 8), "usize": ("long", "JAVA_LONG", 8), "f32": ("float", "JAVA_FLOAT", 4),
            "f64": ("double", "JAVA_DOUBLE", 8)}
 POINTER = ("MemorySegment", "ADDRESS", 8)
-KEYWORDS = {"abstract", "boolean", "break", "byte", "case", "catch", "char", "class", "continue", "default", "double", "final",
-            "float", "for", "if", "import", "int", "interface", "long", "native", "new", "null", "package", "private",
-            "public", "return", "short", "static", "super", "switch", "synchronized", "this", "throw", "try", "void", "while"}
+KEYWORDS = {"abstract", "boolean", "break", "byte", "case", "catch", "char", "class", "continue", "default", "double",
+            "final", "float", "for", "if", "import", "int", "interface", "long", "native", "new", "null", "package",
+            "private", "public", "return", "short", "static", "super", "switch", "synchronized", "this", "throw", "try",
+            "void", "while"}
 
 
 class Writer:
@@ -68,13 +69,14 @@ class Writer:
             item = f"MemoryLayout.sequenceLayout({count}, {layout})" if count > 1 else layout
             parts.append(f"                {item}.withName(\"{field['name']}\")")
             index, place = (", int i", f"{at} + {size}L * Objects.checkIndex(i, {count})") if count > 1 else ("", str(at))
-            if "LAYOUT" in layout:
-                methods += f"        static MemorySegment {called}(MemorySegment s{index}) {{ return s.asSlice({place}, {size}); }}\n"
-            else:
-                methods += f"        static {java} {called}(MemorySegment s{index}) {{ return s.get({layout}, {place}); }}\n"
-                methods += f"        static void {called}(MemorySegment s{index}, {java} v) {{ s.set({layout}, {place}, v); }}\n"
-            if field["type" if "type" in field else "name"] == "char" and count > 1:
-                methods += f"        static String {called}(MemorySegment s) {{ return utf8(s.asSlice({at}, {count})); }}\n"
+            taken, get = f"{called}(MemorySegment s{index}", f"return s.asSlice({place}, {size});"
+            if "LAYOUT" not in layout:
+                get = f"return s.get({layout}, {place});"
+                methods += f"        static void {taken}, {java} v) {{ s.set({layout}, {place}, v); }}\n"
+            methods += f"        static {java} {taken}) {{ {get} }}\n"
+            if field.get("type") == "char" and count > 1:
+                get = f"return utf8(s.asSlice({at}, {count}));"
+                methods += f"        static String {called}(MemorySegment s) {{ {get} }}\n"
             at += size * count
         # A struct whose fields end short of its alignment is padded at its end.
         if self.layout(name)[0] > at:
@@ -84,28 +86,43 @@ class Writer:
         if fields[0]["name"] == "size":
             sized = ("\n        /** One with its size set, and all else 0. */\n"
                      "        static MemorySegment sized(Arena arena) {\n"
-                     "            MemorySegment s = arena.allocate(LAYOUT);\n            size(s, (int) LAYOUT.byteSize());\n"
+                     "            MemorySegment s = arena.allocate(LAYOUT);\n"
+                     "            size(s, (int) LAYOUT.byteSize());\n"
                      "            return s;\n        }\n")
+        layout = f"MemoryLayout.structLayout(\n{joined}).withName(\"{name}\")"
         return (f"\n    /** {header}. */\n    static final class {name} {{\n"
-                f"        static final StructLayout LAYOUT = MemoryLayout.structLayout(\n{joined}).withName(\"{name}\");\n\n"
-                f"{methods}{sized}    }}\n")
+                f"        static final StructLayout LAYOUT = {layout};\n\n{methods}{sized}    }}\n")
 
     def function(self, header, function):
         name, result = function["name"], function["result"]
-        java, layout = ("void", None) if result.get("type") == "void" and not result["pointers"] else self.kind(result)[:2]
-        arguments = [(one["name"] + "_" * (one["name"] in KEYWORDS), *self.kind(one)[:2]) for one in function["parameters"]]
+        java, layout = "void", None
+        if result.get("type") != "void" or result["pointers"]:
+            java, layout = self.kind(result)[:2]
+        arguments = [(one["name"] + "_" * (one["name"] in KEYWORDS), *self.kind(one)[:2])
+                     for one in function["parameters"]]
         described = ", ".join(([layout] if layout else []) + [kind for _, _, kind in arguments])
         taken = ", ".join(f"{kind} {called}" for called, kind, _ in arguments)
         passed = ", ".join(called for called, _, _ in arguments)
         got = f"return ({java}) " if layout else ""
-        return (f"\n    /** {header}. */\n    static {java} {name}({taken}) {{\n"
-                f"        try {{ {got}call_{name}.HANDLE.invokeExact({passed}); }} catch (Throwable e) {{ throw thrown(e); }}\n    }}\n"
-                f"\n    private static final class call_{name} {{\n        static final MethodHandle HANDLE = link(\"{name}\", "
-                f"FunctionDescriptor.of{'' if layout else 'Void'}({described}));\n    }}\n")
+        descriptor = f"FunctionDescriptor.of{'' if layout else 'Void'}({described})"
+        return f"""
+    /** {header}. */
+    static {java} {name}({taken}) {{
+        try {{
+            {got}call_{name}.HANDLE.invokeExact({passed});
+        }} catch (Throwable e) {{
+            throw thrown(e);
+        }}
+    }}
+
+    private static final class call_{name} {{
+        static final MethodHandle HANDLE = link("{name}", {descriptor});
+    }}
+"""
 
     def text(self):
         text = f"""// SPDX-License-Identifier: BSD-3-Clause
-// The ABI of dynpoint {self.version}. Made by {basename(__file__)} from the C headers, which say what it means: change nothing here.
+// The ABI of dynpoint {self.version}. Made by {basename(__file__)} from the C headers, which say what it means.
 package dynpoint;
 
 import static java.lang.foreign.ValueLayout.*;

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The packages of C#, from the top of the tree: csharp_package.py VERSION FOLDER
 
-FOLDER has Dynpoint.dll and .xml, generated/*.cs, and native/RID/ with a native library for each platform that there is. It
-gets
+FOLDER has Dynpoint.dll and .xml, generated/*.cs, and native/RID/ with a native library for each platform that there is.
+It gets
 
     com.dynpoint.dynpoint/               the sources in the layout of a package of Unity, with a .meta beside each file
     com.dynpoint.dynpoint-VERSION.tgz    the same, for Unity's package manager
@@ -65,7 +65,8 @@ def meta(path, is_folder=False, plugin=None):
         _, platform, cpu, system = plugin
         importer = PLUGIN.format(editor=int(bool(system)), cpu=cpu, system=system or "AnyOS", platform=platform)
     else:
-        importer = ("folderAsset: yes\n" if is_folder else "") + IMPORTERS.get(os.path.splitext(path)[1], "DefaultImporter:\n")
+        importer = IMPORTERS.get(os.path.splitext(path)[1], "DefaultImporter:\n")
+        importer = ("folderAsset: yes\n" if is_folder else "") + importer
     return f"fileFormatVersion: 2\nguid: {number}\n{importer}  userData: \n".encode()
 
 
@@ -124,8 +125,8 @@ def write_nuget(version, folder):
     files = {
         "_rels/.rels": '<?xml version="1.0" encoding="utf-8"?>\n<Relationships '
                        'xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship '
-                       'Type="http://schemas.microsoft.com/packaging/2010/07/manifest" Target="/Dynpoint.nuspec" Id="R1" />'
-                       '</Relationships>\n',
+                       'Type="http://schemas.microsoft.com/packaging/2010/07/manifest" Target="/Dynpoint.nuspec" '
+                       'Id="R1" /></Relationships>\n',
         "Dynpoint.nuspec": f"""<?xml version="1.0" encoding="utf-8"?>
 <package xmlns="http://schemas.microsoft.com/packaging/2013/05/nuspec.xsd">
   <metadata>
@@ -154,7 +155,8 @@ def write_nuget(version, folder):
     types = "".join(f'<Default Extension="{kind}" ContentType="application/octet" />' for kind in kinds)
     files["[Content_Types].xml"] = ('<?xml version="1.0" encoding="utf-8"?>\n<Types '
                                     'xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default '
-                                    'Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml" />'
+                                    'Extension="rels" ContentType='
+                                    '"application/vnd.openxmlformats-package.relationships+xml" />'
                                     f'{types}<Override PartName="/LICENSE" ContentType="application/octet" /></Types>\n')
     with zipfile.ZipFile(f"{folder}/Dynpoint.{version}.nupkg", "w", zipfile.ZIP_DEFLATED) as nupkg:
         for path in sorted(files):

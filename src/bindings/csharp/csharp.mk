@@ -1,24 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# C#: one native library of the core, the compiler, the drivers, curved tips and the host; declarations made from the ABI's
-# model; sources in the layout of a package of Unity, and a package of NuGet. Mono's mcs compiles them here.
+# C#: one native library of the core, the compiler, the drivers, curved tips and the host; declarations made from the
+# ABI's model; sources in the layout of a package of Unity, and a package of NuGet. Mono's mcs compiles them here.
 CS := $(B)/csharp
 MCS ?= mcs
 # As .NET names the platform that is built for: the folder of the native library in the packages.
-RID ?= $(if $(filter windows,$(PLATFORM)),win,$(if $(filter macos,$(PLATFORM)),osx,linux))-$(if $(filter aarch64% arm64%,$(MACHINE)),arm64,x64)
-CS_LIBRARY := $(if $(filter windows,$(PLATFORM)),dynpoint_all.dll,libdynpoint_all$(if $(filter macos,$(PLATFORM)),.dylib,.so))
+CS_SYSTEM := $(if $(filter windows,$(PLATFORM)),win,$(if $(filter macos,$(PLATFORM)),osx,linux))
+RID ?= $(CS_SYSTEM)-$(if $(filter aarch64% arm64%,$(MACHINE)),arm64,x64)
+CS_NAME_win := dynpoint_all.dll
+CS_NAME_osx := libdynpoint_all.dylib
+CS_NAME_linux := libdynpoint_all.so
+CS_LIBRARY := $(CS_NAME_$(CS_SYSTEM))
 CS_NATIVE := $(CS)/native/$(RID)/$(CS_LIBRARY)
 CS_SOURCES := $(wildcard src/bindings/csharp/Runtime/*.cs)
 CS_MADE := $(CS)/generated/Native.cs
+CS_ALL := $(CS_SOURCES) $(addprefix $(CS)/generated/,Native.cs Enums.cs Structs.cs)
 
 .PHONY: csharp csharp-native nupkg
 csharp-native: $(CS_NATIVE) ## the native library of the packages of C# and Java, for this platform, or for that of CC
 csharp: $(CS)/Dynpoint.dll ## Dynpoint.dll and its native library beside it, in build/csharp (make deps languages)
 
-# Its version says which one a program was compiled with, as that of the others does.
+ifeq ($(CS_SYSTEM),linux)
+CS_LINK := -Wl,-soname,$(CS_LIBRARY) -Wl,--version-script=src/symbols.map
+endif
 $(CS_NATIVE): $(sort $(CORE) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CONVEX_PARTS) $(HOST))
 	@mkdir -p $(@D)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared $(if $(filter linux,$(PLATFORM)),-Wl$(comma)-soname$(comma)$(@F) -Wl$(comma)--version-script=src/symbols.map) \
-	  $^ $(CONVEX_LIBS) $(JANSSON_LIBS) $(PLATFORM_LIBS) -lm $(THREADS) $(DL) -o $@
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared $(CS_LINK) $^ \
+	  $(CONVEX_LIBS) $(JANSSON_LIBS) $(PLATFORM_LIBS) -lm $(THREADS) $(DL) -o $@
 
 $(CS_MADE): $(B)/abi.json tools/packaging/abi_csharp.py
 	@mkdir -p $(@D)
@@ -27,8 +34,8 @@ $(CS_MADE): $(B)/abi.json tools/packaging/abi_csharp.py
 # Beside it lies what it loads.
 $(CS)/Dynpoint.dll: $(CS_SOURCES) $(CS_MADE) $(CS_NATIVE)
 	cp $(CS_NATIVE) $(CS)
-	$(MCS) -nologo -warnaserror -unsafe -optimize -d:DYNPOINT_SPAN -target:library -doc:$(CS)/Dynpoint.xml -nowarn:1591 -out:$@ \
-	  $(CS_SOURCES) $(filter-out %/Layouts.cs,$(CS_MADE) $(CS_MADE:Native.cs=Enums.cs) $(CS_MADE:Native.cs=Structs.cs))
+	$(MCS) -nologo -warnaserror -nowarn:1591 -unsafe -optimize -d:DYNPOINT_SPAN -target:library -doc:$(CS)/Dynpoint.xml \
+	  -out:$@ $(CS_ALL)
 
-nupkg: $(CS)/Dynpoint.dll ## packages of Unity and NuGet, with the native libraries that lie in build/csharp/native: not run in Unity or .NET
+nupkg: $(CS)/Dynpoint.dll ## packages of Unity and NuGet, with what lies in build/csharp/native: not run in Unity or .NET
 	$(PYTHON) -B tools/packaging/csharp_package.py $(VERSION) $(CS)

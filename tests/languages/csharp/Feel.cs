@@ -119,7 +119,8 @@ static class Feel
             using (Scene scene = new Scene(null, null, own))
             {
                 Wrench wrench = new Wrench();
-                DeviceState state = new DeviceState { Status = DeviceStatus.Ready, Fresh = 1, Pose = new Pose(0, 0.02, 0) };
+                DeviceState state = new DeviceState { Status = DeviceStatus.Ready, Fresh = 1 };
+                state.Pose = new Pose(0, 0.02, 0);
                 for (ulong tick = 1; tick <= 100; tick++)
                 {
                     state.Sequence = tick;

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# C#: the package is made, and its sources, its tests and the scene are compiled by mcs and run by Mono (check.sh beside this
-# folder calls it). RELEASE=yes runs them once more on a library with UBSan.
+# C#: the package is made, and its sources, its tests and the scene are compiled by mcs and run by Mono (check.sh beside
+# this folder calls it). RELEASE=yes runs them once more on a library with UBSan.
 build=$1 room=$2 rounds=$3 here=tests/languages/csharp
 for tool in mcs mono python3; do
     if ! command -v $tool >/dev/null; then
@@ -76,12 +76,13 @@ said $? "the .nupkg has the assembly, the native library, and says what was not 
 mkdir "$room/alone"
 cp "$room/Dynpoint.dll" "$room/Touch.exe" "$room/alone"
 env -u LD_LIBRARY_PATH mono "$room/alone/Touch.exe" >"$room/alone/said" 2>&1
-grep -q "DllNotFoundException: libdynpoint_all.so cannot be loaded. It is looked for beside this assembly, in $room/alone" "$room/alone/said"
+where="libdynpoint_all.so cannot be loaded. It is looked for beside this assembly, in $room/alone"
+grep -q "DllNotFoundException: $where" "$room/alone/said"
 said $? "without its library: $(grep -o 'DllNotFoundException.*' "$room/alone/said" | head -n 1)"
 
 if [ "${RELEASE:-no}" = yes ]; then
     # Whatever is undefined ends the program.
-    make -s csharp-native B=build/ubsan CFLAGS='-O1 -g1' CONFIG_CFLAGS='-fsanitize=undefined -fno-sanitize-recover=all' >"$room/make" 2>&1
+    sh tests/languages/ubsan.sh >"$room/make" 2>&1
     said $? "a library with UBSan: $(tail -n 1 "$room/make")"
     rm "$room/libdynpoint_all.so"
     cp build/ubsan/csharp/native/*/libdynpoint_all.so "$room"

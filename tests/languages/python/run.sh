@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Python: the scene, with the package that tests/python/check.sh has installed (check.sh beside this folder calls it).
+# Python: the scene, with the package that tests/python/check.sh has installed (check.sh beside this folder calls it, when
+# it is asked to).
 site=$1/python/site
 python=$1/venv-python/bin/python
 if [ ! -d "$site/dynpoint" ] || [ ! -x "$python" ]; then

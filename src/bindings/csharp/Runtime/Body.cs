@@ -149,7 +149,8 @@ namespace Dynpoint
         {
             const string what = "DeformableBody.SetVertices";
             if (length % 3 != 0) throw new ArgumentException(what + ": wanted three numbers for each vertex");
-            Finish(Native.dpt_body_set_vertices(World.Enter(what), Id, (uint)first, (uint)(length / 3), positions, bound), what);
+            IntPtr world = World.Enter(what);
+            Finish(Native.dpt_body_set_vertices(world, Id, (uint)first, (uint)(length / 3), positions, bound), what);
         }
 
         /// <summary>Moves the vertices with the nodes that they are embedded in: three numbers for each of all

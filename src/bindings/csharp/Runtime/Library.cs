@@ -89,7 +89,7 @@ namespace Dynpoint
             Version wanted = new Version(Native.Version);
             if (number < ((uint)wanted.Major << 16 | (uint)wanted.Minor << 8))
                 throw new DllNotFoundException(FileName() + " has the number " + number.ToString("x6")
-                                               + ": it is older than " + Native.Version + ", which these sources were made for");
+                                               + ": it is older than " + Native.Version + ", as these sources are");
             isThere = true;
         }
 
@@ -105,9 +105,9 @@ namespace Dynpoint
             string variable = Path.DirectorySeparatorChar == '\\' ? "PATH"
                 : Directory.Exists("/System/Library") ? "DYLD_LIBRARY_PATH" : "LD_LIBRARY_PATH";
             return FileName() + " cannot be loaded. It is looked for beside this assembly, in " + folder + ", then in "
-                + variable + " (" + (Environment.GetEnvironmentVariable(variable) ?? "not set") + ") and in the system's folders."
-                + " `make csharp` builds it. In Unity it belongs into Plugins of the package, in a project of .NET into"
-                + " runtimes/RID/native. If it is there, it may be for another processor, or lack a library of its own.";
+                + variable + " (" + (Environment.GetEnvironmentVariable(variable) ?? "not set")
+                + ") and in the system's folders. `make csharp` builds it. In Unity it belongs into"
+                + " Plugins of the package, in a project of .NET into runtimes/RID/native. If it is there, it may be for another processor, or lack a library of its own.";
         }
     }
 }

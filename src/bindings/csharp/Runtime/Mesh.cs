@@ -231,7 +231,7 @@ namespace Dynpoint
         public void Query(ReadOnlySpan<double> ends, ReadOnlySpan<double> radii, Span<Hit> hits, bool pairOnly = false)
         {
             if (ends.Length != 6 * hits.Length || (radii.Length != 0 && radii.Length != hits.Length))
-                throw new ArgumentException("Mesh.Query: wanted six numbers and one hit for each segment, one radius or none");
+                throw new ArgumentException("Mesh.Query: wanted six numbers, a hit, a radius or none for each segment");
             fixed (double* e = &MemoryMarshal.GetReference(ends))
             fixed (double* r = &MemoryMarshal.GetReference(radii))
             fixed (Hit* h = &MemoryMarshal.GetReference(hits))

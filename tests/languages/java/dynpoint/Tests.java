@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tests of the sample in Java: dynpoint.Tests LAYOUTS prints "ok WHAT" or "FAIL WHAT", a line a check (tests/languages/check.sh).
+// Tests of the sample in Java: dynpoint.Tests LAYOUTS prints "ok WHAT" or "FAIL WHAT", a line a check
+// (tests/languages/check.sh).
 package dynpoint;
 
 import java.io.IOException;
@@ -21,7 +22,8 @@ final class Tests {
 
     private static void that(boolean isSo, String what, Object... seen) {
         if (!isSo) failed++;
-        System.out.println((isSo ? "ok " : "FAIL ") + String.format(java.util.Locale.ROOT, what, seen).replace('\n', ' '));
+        String text = String.format(java.util.Locale.ROOT, what, seen);
+        System.out.println((isSo ? "ok " : "FAIL ") + text.replace('\n', ' '));
     }
 
     private static void refuses(Class<? extends Exception> kind, Runnable call, String what, String... words) {
@@ -49,8 +51,8 @@ final class Tests {
             StructLayout layout = structs.get(name);
             boolean isSame;
             if (match.group(1).equals("VALUE")) {
-                isSame = name.equals("DPT_RESULT_END")
-                    || Abi.class.getDeclaredField(name).getInt(null) == (int) (long) Long.decode(rest[0].replaceAll("[uU]$", ""));
+                long value = Long.decode(rest[0].replaceAll("[uU]$", ""));
+                isSame = name.equals("DPT_RESULT_END") || Abi.class.getDeclaredField(name).getInt(null) == (int) value;
             } else if (match.group(1).equals("SIZE")) {
                 isSame = layout.byteSize() == Long.parseLong(rest[0]);
             } else {
@@ -85,20 +87,27 @@ final class Tests {
         World world = new World();
         World.Body body = world.addBody(box);
         World.Tool tool = addRod(world);
-        refuses(DynpointException.class, () -> tool.setPose(Double.NaN, 0, 0, 1, 0, 0, 0), "a pose of NaN", "Tool.setPose", "DPT_E_FINITE");
+        refuses(DynpointException.class, () -> tool.setPose(Double.NaN, 0, 0, 1, 0, 0, 0), "a pose of NaN",
+                "Tool.setPose", "DPT_E_FINITE");
         refuses(DynpointException.class, () -> world.step(Double.NaN), "a step of NaN", "World.step", "range");
-        refuses(DynpointException.class, () -> box.distances(new double[] { 0, 0, 0, 0, 0, Double.NaN }), "a query of NaN", "DPT_E_FINITE");
-        refuses(DynpointException.class, () -> Mesh.compile(corners(), new int[] { 0, 1, 8 }), "a triangle without its vertex", "vertex 8");
-        refuses(IllegalArgumentException.class, () -> Mesh.compile(new double[7], new int[3]), "seven numbers for vertices", "three numbers");
+        refuses(DynpointException.class, () -> box.distances(new double[] { 0, 0, 0, 0, 0, Double.NaN }),
+                "a query of NaN", "DPT_E_FINITE");
+        refuses(DynpointException.class, () -> Mesh.compile(corners(), new int[] { 0, 1, 8 }),
+                "a triangle without its vertex", "vertex 8");
+        refuses(IllegalArgumentException.class, () -> Mesh.compile(new double[7], new int[3]),
+                "seven numbers for vertices", "three numbers");
         refuses(IllegalArgumentException.class, () -> tool.setPose(1, 2, 3), "three numbers for a pose", "7 numbers");
         refuses(DynpointException.class, () -> Mesh.open(new byte[0]), "no bytes", "DPT_E_TRUNCATED");
         refuses(DynpointException.class, () -> Mesh.open(new byte[4096]), "bytes of something else", "DPT_E_MAGIC");
-        refuses(DynpointException.class, () -> Mesh.load("none.obj", 1), "a file that is not there", "none.obj", "DPT_E_OPEN");
+        refuses(DynpointException.class, () -> Mesh.load("none.obj", 1), "a file that is not there", "none.obj",
+                "DPT_E_OPEN");
         try (Arena call = Arena.ofConfined()) {
             MemorySegment guard = call.allocate(Abi.dpt_guard.LAYOUT);
             Abi.dpt_guard.size(guard, 12);
-            that(Abi.dpt_guard_init(guard, MemorySegment.NULL) == Abi.DPT_E_SIZE, "a struct of a wrong size, of the functions as they are");
-            refuses(IndexOutOfBoundsException.class, () -> Abi.dpt_pose.position(call.allocate(Abi.dpt_pose.LAYOUT), 3), "a fourth coordinate");
+            that(Abi.dpt_guard_init(guard, MemorySegment.NULL) == Abi.DPT_E_SIZE,
+                 "a struct of a wrong size, of the functions as they are");
+            refuses(IndexOutOfBoundsException.class, () -> Abi.dpt_pose.position(call.allocate(Abi.dpt_pose.LAYOUT), 3),
+                    "a fourth coordinate");
         }
         box.close();
         refuses(IllegalStateException.class, () -> world.addBody(box), "a body of a mesh that was freed", "closed");
@@ -118,15 +127,18 @@ final class Tests {
         other.join();
         that(thrown[0] instanceof WrongThreadException, "a second thread in a world (%s)", thrown[0]);
         body.remove();
-        refuses(DynpointException.class, () -> body.setPose(0, 0, 0, 1, 0, 0, 0), "a body that was removed", "Body.setPose", "stale");
+        refuses(DynpointException.class, () -> body.setPose(0, 0, 0, 1, 0, 0, 0), "a body that was removed",
+                "Body.setPose", "stale");
         world.close();
         refuses(IllegalStateException.class, () -> world.step(0.001), "a world that was closed", "closed");
         refuses(IllegalStateException.class, tool::wrench, "a tool of one", "closed");
     }
 
     private static void scenes() throws InterruptedException {
-        refuses(DynpointException.class, () -> new Scene("nothing.dpa", "sim:", 1), "a scene that is not there", "nothing.dpa", "opened");
-        refuses(DynpointException.class, () -> new Scene("liver", "sim:?hand=nothing", 1), "a device of no such hand", "nothing");
+        refuses(DynpointException.class, () -> new Scene("nothing.dpa", "sim:", 1), "a scene that is not there",
+                "nothing.dpa", "opened");
+        refuses(DynpointException.class, () -> new Scene("liver", "sim:?hand=nothing", 1), "a device of no such hand",
+                "nothing");
         Scene scene = new Scene("liver", "sim:?hand=press", 3000);
         that(scene.run() == 3000, "a scene on a device");
         // run.sh compares this line with what the program says.
