@@ -36,7 +36,8 @@ for test in feel.py misuse.py life.py safety.py files.py parts.py view.py batch.
     count "${test%.py}" env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" "$python" -X dev -W ignore::ResourceWarning \
         "tests/python/$test"
 done
-count "the scene of all languages" sh tests/languages/check.sh "$build" python
+scene() { sh tests/languages/check.sh "$build" python | sed 's/^ *//'; }
+count "the scene of all languages" scene
 if [ -f build/venv-soft/complete ]; then
     count with_mujoco env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" build/venv-soft/bin/python -X dev \
         -W ignore::ResourceWarning tests/python/with_mujoco.py
