@@ -28,6 +28,10 @@ verdict $? "the reference in C: ${hash-} of ${ticks-} ticks"
 
 # touched NAME HASH TICKS SECONDS: beside the reference, which is timed anew as the machine may be busier now.
 touched() {
+    if [ $# -ne 4 ]; then
+        bad "$language: the program of the scene said nothing: $* ($(tail -n 1 "$room/errors"))"
+        return
+    fi
     [ "$2 $3" = "$hash $ticks" ]
     verdict $? "$1: the same wrenches in each of $3 ticks ($2)"
     read -r _ _ seconds <<END
