@@ -4,26 +4,19 @@ using System.Runtime.InteropServices;
 
 namespace Dynpoint
 {
-    /// <summary>A body of a world, which it stays in until Remove, whether somebody has this object or not.</summary>
-    public unsafe class Body
+    /// <summary>A body of a world.</summary>
+    public unsafe class Body : Member
     {
         private readonly Block memory;
         private bool isGone;
 
-        internal Body(World world, Mesh mesh, uint id, Block memory)
+        internal Body(World world, Mesh mesh, uint id, Block memory) : base(world, id)
         {
-            World = world;
-            Id = id;
             Mesh = mesh;
             this.memory = memory;
         }
 
-        public World World { get; private set; }
-
         public Mesh Mesh { get; private set; }
-
-        /// <summary>Its number, as in Hit.Body.</summary>
-        public uint Id { get; private set; }
 
         /// <summary>The last valid pose. To set it sweeps the motion; Teleport jumps.</summary>
         public Pose Pose
@@ -88,19 +81,12 @@ namespace Dynpoint
             }
         }
 
-        /// <summary>Takes it out of its world. Its number is no body's then.</summary>
+        /// <summary>Takes it out of its world.</summary>
         public void Remove()
         {
             Finish(Native.dpt_body_remove(World.Enter("Body.Remove"), Id), "Body.Remove");
             World.Forget(this);
             LetGo();
-        }
-
-        /// <summary>The end of a call between World.Enter and here.</summary>
-        protected void Finish(Result result, string what)
-        {
-            World.Leave();
-            if (result != Result.Ok) throw DynpointException.Make(result, what, null);
         }
 
         internal void LetGo()

@@ -181,11 +181,7 @@ namespace Dynpoint
             uint* corners;
             uint count;
             Result result = Native.dpt_mesh_get_triangles(Enter(), &corners, null, &count);
-            int[] copy = result == Result.Ok ? new int[3 * (long)count] : null;
-            if (copy != null && count > 0) Marshal.Copy((IntPtr)corners, copy, 0, copy.Length);
-            Leave();
-            DynpointException.Check(result, "Mesh.GetTriangles");
-            return copy;
+            return Copy(result, corners, 3 * (long)count, "Mesh.GetTriangles");
         }
 
         /// <summary>The number in the source of each vertex: a copy. For a program that moves its own vertices.</summary>
@@ -194,10 +190,16 @@ namespace Dynpoint
             uint* sources;
             uint count;
             Result result = Native.dpt_mesh_get_vertex_sources(Enter(), &sources, &count);
+            return Copy(result, sources, count, "Mesh.GetVertexSources");
+        }
+
+        /// <summary>The end of a call that began with Enter.</summary>
+        private int[] Copy(Result result, uint* numbers, long count, string what)
+        {
             int[] copy = result == Result.Ok ? new int[count] : null;
-            if (copy != null && count > 0) Marshal.Copy((IntPtr)sources, copy, 0, copy.Length);
+            if (copy != null && count > 0) Marshal.Copy((IntPtr)numbers, copy, 0, copy.Length);
             Leave();
-            DynpointException.Check(result, "Mesh.GetVertexSources");
+            DynpointException.Check(result, what);
             return copy;
         }
 

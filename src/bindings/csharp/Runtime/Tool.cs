@@ -4,17 +4,11 @@ using System;
 namespace Dynpoint
 {
     /// <summary>A tool of a world: capsules that feel its bodies. Answers are those of the last step.</summary>
-    public sealed unsafe class Tool
+    public sealed unsafe class Tool : Member
     {
-        internal Tool(World world, uint id)
+        internal Tool(World world, uint id) : base(world, id)
         {
-            World = world;
-            Id = id;
         }
-
-        public World World { get; private set; }
-
-        public uint Id { get; private set; }
 
         /// <summary>Where the device holds it. To set it sweeps the motion; Teleport jumps.</summary>
         public Pose Pose
@@ -206,12 +200,6 @@ namespace Dynpoint
         public void Remove()
         {
             Finish(Native.dpt_tool_remove(World.Enter("Tool.Remove"), Id), "Tool.Remove");
-        }
-
-        private void Finish(Result result, string what)
-        {
-            World.Leave();
-            if (result != Result.Ok) throw DynpointException.Make(result, what, null);
         }
     }
 }
