@@ -11,6 +11,7 @@ It gets
 
 Both say that they were not run in Unity or .NET. The same files give the same bytes.
 """
+import glob
 import gzip
 import hashlib
 import io
@@ -99,8 +100,8 @@ def unity_files(version, folder):
         while path := os.path.dirname(path):
             metas[f"{path}.meta"] = meta(path, is_folder=True)
     # Unity leaves a folder alone whose name ends so.
-    for name in os.listdir(f"{SOURCES}/Samples~/Touch"):
-        files[f"Samples~/Touch/{name}"] = read(f"{SOURCES}/Samples~/Touch/{name}")
+    for path in glob.glob(f"{SOURCES}/Samples~/*/*"):
+        files[os.path.relpath(path, SOURCES)] = read(path)
     return files | metas
 
 

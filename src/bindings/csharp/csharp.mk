@@ -19,12 +19,19 @@ CS_ALL := $(CS_SOURCES) $(addprefix $(CS)/generated/,Native.cs Enums.cs Structs.
 csharp-native: $(CS_NATIVE) ## the native library of the packages of C# and Java, for this platform, or for that of CC
 csharp: $(CS)/Dynpoint.dll ## Dynpoint.dll and its native library beside it, in build/csharp (make deps languages)
 
+CS_OBJECTS := $(sort $(CORE) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CONVEX_PARTS) $(HOST))
 ifeq ($(CS_SYSTEM),linux)
 CS_LINK := -Wl,-soname,$(CS_LIBRARY) -Wl,--version-script=src/symbols.map
-endif
-$(CS_NATIVE): $(sort $(CORE) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CONVEX_PARTS) $(HOST))
+else ifeq ($(CS_SYSTEM),win)
+CS_LINK := $(CS)/dynpoint_all.def
+$(CS_NATIVE): $(CS_LINK)
+$(CS_LINK): $(CS_OBJECTS)
 	@mkdir -p $(@D)
-	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared $(CS_LINK) $^ \
+	{ echo EXPORTS; $(NM) -g $^ | sed -n 's/^[0-9a-f]* T \(dpt_[a-z0-9_]*\)$$/\1/p' | sort -u; } >$@
+endif
+$(CS_NATIVE): $(CS_OBJECTS)
+	@mkdir -p $(@D)
+	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -shared $(CS_LINK) $(CS_OBJECTS) \
 	  $(CONVEX_LIBS) $(JANSSON_LIBS) $(PLATFORM_LIBS) -lm $(THREADS) $(DL) -o $@
 
 $(CS_MADE): $(B)/abi.json tools/packaging/abi_csharp.py

@@ -2,6 +2,7 @@
 // The sample of Unity's package, driven as Unity drives it, in Unity's frame: InUnity.exe.
 using System;
 using System.Reflection;
+using System.Threading;
 using Dynpoint;
 using UnityEngine;
 
@@ -16,9 +17,9 @@ static class InUnity
             what, seen));
     }
 
-    static void Call(Touch touch, string name)
+    static void Call(MonoBehaviour behaviour, string name)
     {
-        typeof(Touch).GetMethod(name, BindingFlags.Instance | BindingFlags.NonPublic).Invoke(touch, null);
+        behaviour.GetType().GetMethod(name, BindingFlags.Instance | BindingFlags.NonPublic).Invoke(behaviour, null);
     }
 
     /// <summary>A cube from -1 to 1, its triangles wound as Unity shows them: (b - a) x (c - a) points outside.</summary>
@@ -98,10 +99,37 @@ static class InUnity
         Call(touch, "OnDisable");
     }
 
+    /// <summary>A simulated hand presses down by the device's own frame, which is the library's: y is up in both.</summary>
+    static void DeviceSample()
+    {
+        DeviceTouch touch = new DeviceTouch { organ = new MeshFilter { sharedMesh = MakeCube() }, device = "sim:?hand=press" };
+        touch.held = new Transform();
+        touch.proxy = new Transform();
+        touch.organ.transform.lossyScale = new Vector3(0.5f, 0.1f, 0.5f);
+        touch.organ.transform.position = new Vector3(0, -0.1f, 0.3f);
+        touch.transform.position = new Vector3(0, 0.02f, 0.3f);
+        Call(touch, "OnEnable");
+        int shown = 0;
+        float highest = 0, apart = 0, ahead = 0;
+        for (int frame = 0; frame < 2000000 && highest < 0.5f; frame++)
+        {
+            Call(touch, "Update");
+            Thread.Yield();
+            highest = Math.Max(highest, touch.Force.y);
+            apart = Math.Max(apart, touch.proxy.position.y - touch.held.position.y);
+            ahead = Math.Max(ahead, touch.held.position.z);
+            shown++;
+        }
+        Call(touch, "OnDisable");
+        That(highest >= 0.5f && apart > 0 && Math.Abs(ahead - 0.3f) < 0.1f,
+             "a device in a thread: {0:f2} N up, its proxy {1:f4} m above the hand, at z {2:f2}", highest, apart, ahead);
+    }
+
     static int Main()
     {
         Windings();
         Sample();
+        DeviceSample();
         return failed > 0 ? 2 : 0;
     }
 }

@@ -4,6 +4,17 @@
 using System;
 using System.Collections.Generic;
 
+namespace AOT
+{
+    [AttributeUsage(AttributeTargets.Method)]
+    public class MonoPInvokeCallbackAttribute : Attribute
+    {
+        public MonoPInvokeCallbackAttribute(Type type)
+        {
+        }
+    }
+}
+
 namespace UnityEngine
 {
     public struct Vector3
@@ -134,6 +145,11 @@ namespace UnityEngine
     public static class Debug
     {
         public static readonly List<Vector3> Rays = new List<Vector3>();
+
+        public static void LogException(Exception error)
+        {
+            throw error;
+        }
 
         public static void DrawRay(Vector3 start, Vector3 direction, Color color)
         {

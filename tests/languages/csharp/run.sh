@@ -36,6 +36,12 @@ mono_of() {
 make -s nupkg B="$build" >"$room/make" 2>&1
 said $? "make nupkg: $(tail -n 1 "$room/make")"
 cp "$build/csharp/Dynpoint.dll" "$build/csharp/libdynpoint_all.so" "$room"
+cat tests/abi/libdynpoint.symbols tests/abi/libdynpoint_compile.symbols tests/abi/libdynpoint_drivers.symbols \
+    tests/abi/libdynpoint_host.symbols | sort >"$room/symbols"
+nm -D --defined-only "$room/libdynpoint_all.so" | sed -n 's/.* T \(dpt_[a-z0-9_]*\).*/\1/p' | sort >"$room/exported"
+[ -s "$room/symbols" ] && ! comm -23 "$room/symbols" "$room/exported" | grep -q . && ! nm -D --defined-only \
+    "$room/libdynpoint_all.so" | grep ' T ' | grep -vq ' dpt_'
+said $? "the native library has the functions of core, compiler, drivers and host, and no other names"
 compile "$room/Touch.exe" -r:"$room/Dynpoint.dll" $here/Touch.cs
 compile "$room/Tests.exe" -r:"$room/Dynpoint.dll" $here/Check.cs $here/Feel.cs $here/Misuse.cs $here/UnityFrames.cs \
     "$build/csharp/generated/Layouts.cs"
@@ -53,8 +59,8 @@ said $? "the scene is what the program feels: $(cat "$room/program")"
 
 # The packages: Unity's sources as they lie in it, and what is listed.
 unity=$build/csharp/com.dynpoint.dynpoint
-compile "$room/InUnity.exe" -d:UNITY_5_3_OR_NEWER -nowarn:649 $here/UnityEngine.cs $here/InUnity.cs \
-    $(find "$unity/Runtime" -name '*.cs') "$unity/Samples~/Touch/Touch.cs"
+compile "$room/InUnity.exe" -d:UNITY_5_3_OR_NEWER -d:ENABLE_IL2CPP -nowarn:649 $here/UnityEngine.cs $here/InUnity.cs \
+    $(find "$unity" -name '*.cs')
 mono_of InUnity
 for file in $(find "$unity" -mindepth 1 ! -name '*.meta' ! -path '*~*'); do
     [ -s "$file.meta" ] || echo "$file"

@@ -101,7 +101,8 @@ namespace Dynpoint
 
         private static string Where()
         {
-            string folder = Path.GetDirectoryName(typeof(Library).Assembly.Location);
+            string place = typeof(Library).Assembly.Location; // "" where the assembly is part of the program
+            string folder = string.IsNullOrEmpty(place) ? "the program's folder" : Path.GetDirectoryName(place);
             string variable = Path.DirectorySeparatorChar == '\\' ? "PATH"
                 : Directory.Exists("/System/Library") ? "DYLD_LIBRARY_PATH" : "LD_LIBRARY_PATH";
             return FileName() + " cannot be loaded. It is looked for beside this assembly, in " + folder + ", then in "

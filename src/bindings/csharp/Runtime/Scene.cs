@@ -58,6 +58,7 @@ namespace Dynpoint
     /// <summary>What a tick of Scene.Run was.</summary>
     public struct SceneTick
     {
+        /// <summary>Where the hand is, in the device's own frame.</summary>
         public DeviceState State;
 
         /// <summary>At the hand, before the guard.</summary>
@@ -69,9 +70,7 @@ namespace Dynpoint
         /// <summary>s.</summary>
         public double Dt;
 
-        /// <summary>Where the device holds the tool, and the pose to draw it at, in the scene.</summary>
-        public Pose Held;
-
+        /// <summary>The pose to draw the tool at, in the scene. A stylus lies along its x.</summary>
         public Pose Proxy;
     }
 
@@ -276,7 +275,6 @@ namespace Dynpoint
                 tick.State = *(DeviceState*)sample->State;
                 IntPtr world = Native.dpt_host_get_world(host);
                 uint tool = Native.dpt_host_get_tool(host);
-                Native.dpt_tool_get_pose(world, tool, &tick.Held);
                 Native.dpt_tool_get_proxy(world, tool, &tick.Proxy);
                 scene.felt(tick);
             }
