@@ -99,10 +99,11 @@ static class InUnity
         Call(touch, "OnDisable");
     }
 
-    /// <summary>A simulated hand presses down by the device's own frame, which is the library's: y is up in both.</summary>
+    /// <summary>A simulated hand presses down in the library's frame; y is up in both.</summary>
     static void DeviceSample()
     {
-        DeviceTouch touch = new DeviceTouch { organ = new MeshFilter { sharedMesh = MakeCube() }, device = "sim:?hand=press" };
+        DeviceTouch touch = new DeviceTouch { organ = new MeshFilter { sharedMesh = MakeCube() } };
+        touch.device = "sim:?hand=press";
         touch.held = new Transform();
         touch.proxy = new Transform();
         touch.organ.transform.lossyScale = new Vector3(0.5f, 0.1f, 0.5f);

@@ -28,7 +28,8 @@ fi
 java_of() {
     library=$1
     shift
-    "$java" -Xmx256m "-XX:ErrorFile=$room/crash" --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" -cp "$room/classes" "$@"
+    "$java" -Xmx256m "-XX:ErrorFile=$room/crash" --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" \
+        -cp "$room/classes" "$@"
 }
 tests_of() {
     java_of "$1" dynpoint.Tests tests/abi/layouts.txt >"$room/tests" 2>"$room/errors"

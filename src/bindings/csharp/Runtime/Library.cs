@@ -108,7 +108,8 @@ namespace Dynpoint
             return FileName() + " cannot be loaded. It is looked for beside this assembly, in " + folder + ", then in "
                 + variable + " (" + (Environment.GetEnvironmentVariable(variable) ?? "not set")
                 + ") and in the system's folders. `make csharp` builds it. In Unity it belongs into"
-                + " Plugins of the package, in a project of .NET into runtimes/RID/native. If it is there, it may be for another processor, or lack a library of its own.";
+                + " Plugins of the package, in a project of .NET into runtimes/RID/native. If it is there, it may be for"
+                + " another processor, or lack a library of its own.";
         }
     }
 }
