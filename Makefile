@@ -333,6 +333,7 @@ include src/bindings/wasm/wasm.mk
 include src/bindings/python/python.mk
 include src/bindings/csharp/csharp.mk
 include src/bindings/java/java.mk
+include src/bindings/rust/rust.mk
 include tools/page/page.mk
 include tests/tests.mk
 
@@ -348,7 +349,7 @@ uninstall: ## what the manifest of install lists
 
 help: ## this list
 	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [CONVEX=no] [JANSSON=no] [LWS=no] [VIEW_PAGE=no]'
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' Makefile src/bindings/wasm/wasm.mk src/bindings/python/python.mk src/bindings/csharp/csharp.mk src/bindings/java/java.mk tools/page/page.mk tests/tests.mk | expand -t 16
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' Makefile src/bindings/wasm/wasm.mk src/bindings/python/python.mk src/bindings/csharp/csharp.mk src/bindings/java/java.mk src/bindings/rust/rust.mk tools/page/page.mk tests/tests.mk | expand -t 16
 
 clean: ## remove build/
 	rm -rf build
