@@ -257,7 +257,7 @@ def plain_type(abi, field, safe):
 
 
 def is_setting(name):
-    return name.endswith(("_def", "_settings", "_region"))
+    return name.endswith(("_def", "_settings", "_region", "dpt_load"))
 
 
 def plain_struct(abi, name, feature, comments, safe):

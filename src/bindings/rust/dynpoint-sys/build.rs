@@ -23,9 +23,6 @@ fn compile() {
     if has("COMPILE") {
         sources.file("c/dynpoint_compile.c");
     }
-    if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
-        sources.flag("-ffreestanding");
-    }
     sources.compile("dynpoint");
     if env::var("CARGO_CFG_TARGET_FAMILY").is_ok_and(|family| family.contains("unix")) {
         println!("cargo:rustc-link-lib=m");
@@ -35,8 +32,13 @@ fn compile() {
 
 fn link_installed() {
     let mut names = vec!["dynpoint"];
-    for (feature, name) in [("COMPILE", "dynpoint_compile"), ("HOST", "dynpoint_drivers"), ("HOST", "dynpoint_host"),
-                            ("URDF", "dynpoint_urdf"), ("CONVEX", "dynpoint_convex")] {
+    for (feature, name) in [
+        ("COMPILE", "dynpoint_compile"),
+        ("HOST", "dynpoint_drivers"),
+        ("HOST", "dynpoint_host"),
+        ("URDF", "dynpoint_urdf"),
+        ("CONVEX", "dynpoint_convex"),
+    ] {
         if has(feature) {
             names.push(name);
         }
@@ -47,9 +49,12 @@ fn link_installed() {
         for name in &names {
             let name = format!("lib{name}");
             match Command::new("pkg-config").args(["--variable=libdir", &name]).output() {
-                Ok(said) if said.status.success() => println!("cargo:rustc-link-search=native={}",
-                    String::from_utf8_lossy(&said.stdout).trim()),
-                _ => panic!("{name} is not installed: pkg-config does not know it, and DYNPOINT_LIB_DIR names no folder"),
+                Ok(said) if said.status.success() => {
+                    println!("cargo:rustc-link-search=native={}", String::from_utf8_lossy(&said.stdout).trim())
+                }
+                _ => {
+                    panic!("{name} is not installed: pkg-config does not know it, and DYNPOINT_LIB_DIR names no folder")
+                }
             }
         }
     }

@@ -101,9 +101,7 @@ pub(crate) fn first_of_mut<T>(items: &mut [T]) -> *mut T {
 
 /// All items of a list of unknown length: `fill` writes to the room that it is given, and tells how many there are.
 #[cfg(feature = "alloc")]
-pub(crate) fn all_of<T: Copy + Default>(
-    fill: impl Fn(&mut [T], &mut u32) -> Result<()>,
-) -> Result<alloc::vec::Vec<T>> {
+pub(crate) fn all_of<T: Copy + Default>(fill: impl Fn(&mut [T], &mut u32) -> Result<()>) -> Result<alloc::vec::Vec<T>> {
     let mut items = alloc::vec![T::default(); 16];
     loop {
         let (mut count, room) = (0, items.len());

@@ -177,9 +177,7 @@ impl Body {
     fn fill_loads(self, world: &World<'_>, loads: &mut [Load], count: &mut u32) -> Result<()> {
         let room = room_of(loads.len());
         // SAFETY: no more is written than there is room for.
-        check(unsafe {
-            sys::dpt_body_get_loads(world.as_raw(), self.0, first_of_mut(loads).cast(), room, count)
-        })
+        check(unsafe { sys::dpt_body_get_loads(world.as_raw(), self.0, first_of_mut(loads).cast(), room, count) })
     }
 
     /// All loads on vertices.
@@ -208,9 +206,7 @@ impl Body {
             let room = room_of(loads.len());
             let raw = first_of_mut(loads).cast();
             // SAFETY: no more is written than there is room for.
-            check(unsafe {
-                sys::dpt_body_get_mean_loads(world.as_raw(), self.0, raw, room, count, seconds.as_ptr())
-            })
+            check(unsafe { sys::dpt_body_get_mean_loads(world.as_raw(), self.0, raw, room, count, seconds.as_ptr()) })
         })?;
         Ok((loads, seconds.get()))
     }
@@ -219,9 +215,7 @@ impl Body {
     pub fn set_answered_loads(self, world: &mut World<'_>, loads: &[Load]) -> Result<()> {
         let count = count_of(loads.len())?;
         // SAFETY: there are as many loads.
-        check(unsafe {
-            sys::dpt_body_set_answered_loads(world.as_raw(), self.0, first_of(loads).cast(), count)
-        })
+        check(unsafe { sys::dpt_body_set_answered_loads(world.as_raw(), self.0, first_of(loads).cast(), count) })
     }
 
     /// After a step of the world: the body's springs go on by `dt`, together with the tools that touch it. `None` is for

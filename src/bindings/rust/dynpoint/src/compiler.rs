@@ -73,10 +73,12 @@ impl Note {
     }
 }
 
+type Progress<'c> = dyn FnMut(&str, f64) -> bool + 'c;
+
 /// What C calls back to.
 #[derive(Default)]
 struct Calls<'c> {
-    progress: Option<Box<dyn FnMut(&str, f64) -> bool + 'c>>,
+    progress: Option<Box<Progress<'c>>>,
     note: Option<Box<dyn FnMut(Note) + 'c>>,
     panic: Option<Box<dyn Any + Send>>,
 }

@@ -136,14 +136,7 @@ impl<'a> Mesh<'a> {
 
     /// The nearest pairs of many segments and the mesh at `pose`: `ends` are ax, ay, az, bx, by, bz each. `radii` may be
     /// empty: all are 0. [`Error::FINITE`]: one or more are stale, and all others are answered.
-    pub fn query(
-        &self,
-        pose: &Pose,
-        ends: &[[f64; 6]],
-        radii: &[f64],
-        hits: &mut [Hit],
-        def: &QueryDef,
-    ) -> Result<()> {
+    pub fn query(&self, pose: &Pose, ends: &[[f64; 6]], radii: &[f64], hits: &mut [Hit], def: &QueryDef) -> Result<()> {
         if hits.len() != ends.len() || (!radii.is_empty() && radii.len() != ends.len()) {
             return Err(Error::ARGUMENT);
         }

@@ -84,9 +84,7 @@ impl<'a> Springs<'a> {
         }
         let (count, speeds) = (count_of(positions.len())?, crate::block::first_of_mut(speeds));
         // SAFETY: both have room for as many, and C refuses another count.
-        check(unsafe {
-            sys::dpt_springs_get_nodes(self.as_raw(), count, positions.as_mut_ptr().cast(), speeds.cast())
-        })
+        check(unsafe { sys::dpt_springs_get_nodes(self.as_raw(), count, positions.as_mut_ptr().cast(), speeds.cast()) })
     }
 
     /// Put nodes, from `first` on, somewhere else; without speeds they rest.
@@ -97,13 +95,7 @@ impl<'a> Springs<'a> {
         let count = count_of(positions.len())?;
         // SAFETY: there are as many of both.
         check(unsafe {
-            sys::dpt_springs_set_nodes(
-                self.as_raw(),
-                first,
-                count,
-                first_of(positions).cast(),
-                first_of(speeds).cast(),
-            )
+            sys::dpt_springs_set_nodes(self.as_raw(), first, count, first_of(positions).cast(), first_of(speeds).cast())
         })
     }
 
@@ -119,9 +111,7 @@ impl<'a> Springs<'a> {
     pub fn compliances_into(&self, dt: f64, compliances: &mut [f32]) -> Result<()> {
         let count = count_of(compliances.len())?;
         // SAFETY: there is room for as many, and C refuses another count.
-        check(unsafe {
-            sys::dpt_springs_get_compliances(self.as_raw(), dt, count, compliances.as_mut_ptr())
-        })
+        check(unsafe { sys::dpt_springs_get_compliances(self.as_raw(), dt, count, compliances.as_mut_ptr()) })
     }
 }
 

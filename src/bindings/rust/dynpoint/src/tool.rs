@@ -2,8 +2,8 @@
 use crate::block::{first_of, first_of_mut};
 use crate::error::{check, count_of, room_of};
 use crate::{
-    sys, Body, Channel, Contact, Error, ForceInfo, Hit, Pose, Result, Segment, Sweep, Tip, ToolLoad, ToolSettings, World,
-    Wrench,
+    sys, Body, Channel, Contact, Error, ForceInfo, Hit, Pose, Result, Segment, Sweep, Tip, ToolLoad, ToolSettings,
+    World, Wrench,
 };
 
 #[cfg(feature = "alloc")]
@@ -109,14 +109,7 @@ impl Tool {
         let (mut first, mut reached) = (Sweep::empty(), Pose::IDENTITY);
         // SAFETY: all of it is there, and the sweep has its size.
         check(unsafe {
-            sys::dpt_tool_try_pose(
-                world.as_raw(),
-                self.0,
-                pose.raw(),
-                clearance,
-                first.raw_mut(),
-                reached.raw_mut(),
-            )
+            sys::dpt_tool_try_pose(world.as_raw(), self.0, pose.raw(), clearance, first.raw_mut(), reached.raw_mut())
         })?;
         Ok((first, reached))
     }

@@ -142,9 +142,8 @@ impl<'a> World<'a> {
     ) -> Result<Body> {
         let block = Block::lent(block);
         // SAFETY: the block and the compliances are lent as long as the world is.
-        let body = unsafe {
-            self.add_deformable_in_block(&block, mesh, pose, def, first_of(compliances), compliances.len())
-        }?;
+        let body =
+            unsafe { self.add_deformable_in_block(&block, mesh, pose, def, first_of(compliances), compliances.len()) }?;
         #[cfg(feature = "alloc")]
         self.keep(body.0, Some(mesh.clone()), [Some(block), None]);
         Ok(body)
