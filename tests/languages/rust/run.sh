@@ -31,6 +31,17 @@ version=$(sed -n 's/^version = "\(.*\)"/\1/p' $here/../../../src/bindings/rust/d
     [ "$(grep -c "\"=*$version\"" src/bindings/rust/dynpoint*/Cargo.toml | awk -F: '{ n += $2 } END { print n }')" = 3 ]
 said $? "the crates' version is the library's"
 
+# tests SOURCE WHAT OPTION...: the tests in a source
+tests() {
+    source=$1 what=$2
+    shift 2
+    # shellcheck disable=SC2086
+    DYNPOINT_VERSION=$version rustc $edition -D warnings --test "$@" $here/$source.rs -o "$room/$source" >&2 &&
+        LD_PRELOAD=${preload:-} LD_LIBRARY_PATH=$build "$room/$source" >"$room/$source.log" 2>&1
+    tested=$?
+    said $tested "$what: $(sed -n 's/^test result: //p' "$room/$source.log" 2>/dev/null | tail -n 1)"
+    [ $tested -eq 0 ] || cat "$room/$source.log" >&2
+}
 # crate FOLDER NAME OPTION...: into a folder
 crate() {
     folder=$1 name=$2
@@ -51,10 +62,7 @@ rustc $edition -D warnings -O $uses $here/touch.rs -o "$room/touch" >&2 && touch
 said $? "the ten seconds"
 
 # shellcheck disable=SC2086
-DYNPOINT_VERSION=$version rustc $edition -D warnings --test $uses $here/misuse.rs -o "$room/misuse" >&2 &&
-    "$room/misuse" >"$room/misuse.log" 2>&1
-said $? "misuse: $(sed -n 's/^test result: //p' "$room/misuse.log" 2>/dev/null | tail -n 1)"
-[ $status -eq 0 ] || cat "$room/misuse.log" >&2
+tests misuse misuse $uses
 
 # What must not compile: its first line says for which error, and there is no other.
 count=0
@@ -93,6 +101,16 @@ if command -v rustfmt >/dev/null 2>&1; then
 else
     skip "rustfmt: there is none"
 fi
+
+# Scenes and devices, which installed libraries have: those that make has built.
+mkdir "$room/installed"
+host="$with --cfg feature=\"installed\" --cfg feature=\"host\""
+# shellcheck disable=SC2086
+crate "$room/installed" dynpoint_sys $host -L native="$build" -l dylib=dynpoint_host -l dylib=dynpoint_drivers \
+    -l dylib=dynpoint_compile -l dylib=dynpoint &&
+    crate "$room/installed" dynpoint $host --extern dynpoint_sys="$room/installed/libdynpoint_sys.rlib"
+said $? "with the host library they compile too"
+tests host "scenes and devices" -L "$room/installed" -L native="$build" --extern dynpoint="$room/installed/libdynpoint.rlib"
 
 # Without std and alloc, on a bare target: Rust's linker names what is not there. Rust itself brings mem*.
 target=thumbv7em-none-eabihf

@@ -102,3 +102,8 @@ pub use world::World;
 
 /// The declarations, for what the safe layer does not have.
 pub use dynpoint_sys as sys;
+
+/// Its example is tested.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
