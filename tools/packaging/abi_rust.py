@@ -234,8 +234,8 @@ def write_sys(abi, comments, layouts):
             continue
         module = library["name"].removeprefix("libdynpoint_")
         gate = f'#[cfg(feature = "{feature}")]\n'
-        text += f"\n{gate}pub use {module}_functions::*;\n{gate}mod {module}_functions {{\n#[allow(unused_imports)]\nuse super::*;\n"
-        text += body + "}\n"
+        text += f"\n{gate}pub use {module}_functions::*;\n{gate}mod {module}_functions {{\n"
+        text += f"#[allow(unused_imports)]\nuse super::*;\n{body}}}\n"
     return text + layout_checks(abi, layouts)
 
 
@@ -272,46 +272,24 @@ def plain_struct(abi, name, feature, comments, safe):
         text += "" if hidden else comments.line(name, field["name"], "    ")
         text += f"    {'pub(crate)' if hidden else 'pub'} {safe_name(field['name'])}: {plain_type(abi, field, safe)},\n"
     text += "}\n"
+    names = " ".join(safe_name(field["name"]) for field in fields)
+    size = " size: size," if fields[0]["name"] == "size" else ""
+    text += f"{gate}mirror! {{ {short} of {name},{size} fields: {names} }}\n"
     if has_pointers:
-        text += f"// SAFETY: its pointers are null; a call sets them in a copy.\n{gate}unsafe impl Send for {short} {{}}\n"
-        text += f"// SAFETY: as above.\n{gate}unsafe impl Sync for {short} {{}}\n"
-    text += plain_methods(abi, name, fields, has_pointers, gate, comments, safe)
-    text += f"{gate}const _: () = {{\n    use core::mem::{{align_of, offset_of, size_of}};\n"
-    text += f"    assert!(size_of::<{short}>() == size_of::<sys::{name}>());\n"
-    text += f"    assert!(align_of::<{short}>() == align_of::<sys::{name}>());\n"
-    for field in fields:
-        one = safe_name(field["name"])
-        text += f"    assert!(offset_of!({short}, {one}) == offset_of!(sys::{name}, {one}));\n"
-    return text + "};\n"
-
-
-def plain_methods(abi, name, fields, has_pointers, gate, comments, safe):
-    short, has_size = camel(name), fields[0]["name"] == "size"
-    filled = "let mut empty: Self = unsafe { core::mem::zeroed() };\n        empty.size = core::mem::size_of::<Self>() as u32;\n" \
-        "        empty" if has_size else "unsafe { core::mem::zeroed() }"
-    text = f"{gate}#[allow(dead_code)]\nimpl {short} {{\n    pub(crate) const fn empty() -> Self {{\n"
-    text += "        // SAFETY: all of it is numbers, and pointers that may be null.\n"
-    text += f"        {filled}\n    }}\n\n    pub(crate) const fn raw(&self) -> *const sys::{name} {{\n"
-    text += f"        (self as *const Self).cast()\n    }}\n\n    pub(crate) fn raw_mut(&mut self) -> *mut sys::{name} {{\n"
-    text += "        (self as *mut Self).cast()\n    }\n"
-    for field in fields:
-        one = safe_name(field["name"])
-        if field.get("type") == "char" and not field["pointers"]:
-            text += f"\n{comments.line(name, field['name'], '    ')}    pub fn {one}(&self) -> &str {{\n"
-            text += f"        crate::text::of_bytes(&self.{one})\n    }}\n"
-        elif is_setting(name) and not is_private(field, has_pointers):
-            text += f"\n{comments.line(name, field['name'], '    ')}    #[must_use]\n"
-            text += f"    pub const fn {one}(mut self, {one}: {plain_type(abi, field, safe)}) -> Self {{\n"
-            text += f"        self.{one} = {one};\n        self\n    }}\n"
-    text += "}\n"
-    defaults = f"{name.removesuffix('_def')}_def_defaults"
-    if defaults in abi.functions and name.endswith("_def"):
-        text += f"{gate}impl Default for {short} {{\n    fn default() -> Self {{\n        let mut def = Self::empty();\n"
-        text += f"        // SAFETY: it writes as many bytes as the struct has.\n        unsafe {{ sys::{defaults}(def.raw_mut(), core::mem::size_of::<Self>()) }};\n"
-        text += "        def\n    }\n}\n"
+        text += f"{gate}has_null_pointers! {{ {short} }}\n"
+    defaults = f"{name}_defaults"
+    if defaults in abi.functions:
+        text += f"{gate}has_defaults! {{ {short} by {defaults} }}\n"
     elif not name.endswith("_settings") and name != "dpt_pose":
-        text += f"{gate}impl Default for {short} {{\n    fn default() -> Self {{\n        Self::empty()\n    }}\n}}\n"
-    return text
+        text += f"{gate}is_empty_by_default! {{ {short} }}\n"
+    setters = ""
+    for field in fields:
+        one, comment = safe_name(field["name"]), comments.line(name, field["name"], "    ")
+        if field.get("type") == "char" and not field["pointers"]:
+            text += f"{gate}has_text! {{ {short},\n{comment}    {one} }}\n"
+        elif is_setting(name) and not is_private(field, has_pointers):
+            setters += f",\n{comment}    {one}: {plain_type(abi, field, safe)}"
+    return text + (f"{gate}has_setters! {{ {short}{setters}\n}}\n" if setters else "")
 
 
 def constant_modules(abi):
@@ -344,7 +322,8 @@ def constant_modules(abi):
         text += f"\n/// `{one['name']}`\n{gate}pub const {one['name'].removeprefix('DPT_')}: u32 = {one['value']};\n"
     text += "\nimpl crate::Error {\n"
     for one in errors:
-        text += f"    /// `{one['name']}`\n    pub const {one['name'].removeprefix('DPT_E_')}: Self = Self({one['value']});\n"
+        short = one["name"].removeprefix("DPT_E_")
+        text += f"    /// `{one['name']}`\n    pub const {short}: Self = Self({one['value']});\n"
     return text + "}\n"
 
 

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The crates of Rust (docs/rust.md): sources of the tree, declarations made from the headers, and the single files.
 RUST := $(B)/rust
-RUST_SOURCES := $(wildcard $(addprefix src/bindings/rust/,README.md dynpoint*/Cargo.toml dynpoint*/*.rs dynpoint*/src/*.rs))
+RUST_SOURCES := $(wildcard $(addprefix src/bindings/rust/,README.md $(addprefix dynpoint*/,Cargo.toml *.rs src/*.rs)))
 
 .PHONY: crate crate-sources
 crate-sources: $(RUST)/crates/Cargo.toml
 
 # The last file that is written: a tree that is whole has it.
-$(RUST)/crates/Cargo.toml: $(B)/abi.json $(B)/amalgamation/LICENSE tools/packaging/abi_rust.py tests/abi/layouts.txt $(RUST_SOURCES)
+$(RUST)/crates/Cargo.toml: $(B)/abi.json $(B)/amalgamation/LICENSE tools/packaging/abi_rust.py tests/abi/layouts.txt \
+  $(RUST_SOURCES)
 	@rm -rf $(@D) && mkdir -p $(@D)
 	cp -R src/bindings/rust/dynpoint-sys src/bindings/rust/dynpoint $(@D)
 	@mkdir $(@D)/dynpoint-sys/c && cp $(B)/amalgamation/*.[ch] $(@D)/dynpoint-sys/c

@@ -11,8 +11,13 @@ status=0
 said() { # STATUS WHAT
     if [ "$1" -eq 0 ]; then echo "ok $2"; else echo "FAIL $2" && status=1; fi
 }
-command -v go >/dev/null 2>&1 || { echo "skip the program and misuse: no go (make deps languages)" && exit 1; }
-case $(go env GOVERSION) in go1.[0-9] | go1.1[0-9]* | go1.2[01]*) echo "skip the program and misuse: $(go env GOVERSION), not 1.22" && exit 1 ;; esac
+command -v go >/dev/null 2>&1 || { echo "skip the program and misuse: no go" && exit 1; }
+case $(go env GOVERSION) in
+go1.[0-9] | go1.[0-9].* | go1.1[0-9]* | go1.2[01]*)
+    echo "skip the program and misuse: $(go env GOVERSION), not 1.22"
+    exit 1
+    ;;
+esac
 make -s amalgamation B="$1" >&2
 said $? "single files"
 cp src/bindings/go/world.go tests/languages/go/*.go "$build"/amalgamation/*.h "$room" && cd "$room" || exit 2

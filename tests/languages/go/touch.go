@@ -55,7 +55,8 @@ func path(tick int) (pose C.dpt_pose) {
 	fold := func(n int) float64 { return math.Abs(float64(tick%(2*n) - n)) }
 	u, lift := (fold(2000)-1000)*0.00005, float64(fold(500)*0.00001)
 	square := float64(u * u)
-	pose.position = [3]C.double{C.double((fold(1500) - 750) * 0.00002), C.double((fold(1100) - 550) * 0.00002), C.double(0.05 + lift)}
+	x, y := (fold(1500)-750)*0.00002, (fold(1100)-550)*0.00002
+	pose.position = [3]C.double{C.double(x), C.double(y), C.double(0.05 + lift)}
 	pose.orientation = [4]C.double{C.double((1 - square) / (1 + square)), 0, C.double(2 * u / (1 + square))}
 	return pose
 }

@@ -13,8 +13,8 @@ export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 ASAN_OPTIONS=allocator_m
 # Words of a compiler behind ccache.
 # shellcheck disable=SC2086
 preload=$(${CC:-cc} -print-file-name=libasan.so)
-tests misuse "misuse, with ASan and UBSan in C" -L "$room/sanitized" --extern dynpoint="$room/sanitized/libdynpoint.rlib" \
-    -C linker=cc -C link-arg=-lasan -C link-arg=-lubsan
+tests misuse "misuse, with ASan and UBSan in C" -L "$room/sanitized" \
+    --extern dynpoint="$room/sanitized/libdynpoint.rlib" -C linker=cc -C link-arg=-lasan -C link-arg=-lubsan
 preload=
 
 if [ -d "$room/bare" ] && command -v arm-none-eabi-gcc >/dev/null 2>&1; then
@@ -41,8 +41,17 @@ if command -v cargo >/dev/null 2>&1 && (cd "$crates" && cargo fetch --quiet --of
     ! grep -rlE "$PWD|/root/|/home/" "$room/packed" >&2
     said $? "packages know no path of this machine"
     cp $here/touch.rs "$room/user/src/main.rs"
-    printf '[package]\nname = "user"\nversion = "0.1.0"\nedition = "2021"\n[dependencies]\ndynpoint = { path = "%s" }\n[patch.crates-io]\ndynpoint-sys = { path = "%s" }\n[workspace]\n' \
-        "$room/packed/dynpoint-$version" "$room/packed/dynpoint-sys-$version" >"$room/user/Cargo.toml"
+    cat >"$room/user/Cargo.toml" <<END
+[package]
+name = "user"
+version = "0.1.0"
+edition = "2021"
+[dependencies]
+dynpoint = { path = "../packed/dynpoint-$version" }
+[patch.crates-io]
+dynpoint-sys = { path = "../packed/dynpoint-sys-$version" }
+[workspace]
+END
     user=$(cd "$room/user" && cargo run --quiet --release --offline 2>"$room/user.log")
     [ "$(echo "$user" | cut -d' ' -f 1,2)" = "$(echo "$touched" | cut -d' ' -f 1,2)" ] || cat "$room/user.log" >&2
     said $? "a user's project over the packages has the same wrenches: ${user-}"

@@ -23,6 +23,9 @@ skip() {
 for tool in rustc python3; do
     command -v $tool >/dev/null 2>&1 || { skip "the crates: no $tool" && exit 1; }
 done
+case $(rustc --version) in
+"rustc 1."[0-9].* | "rustc 1."[1-7][0-9].* | "rustc 1.80."*) skip "the crates: $(rustc --version), not 1.81" && exit 1 ;;
+esac
 python3 -c 'import pycparser' 2>/dev/null || { skip "the crates: no pycparser (make deps light)" && exit 1; }
 make -s crate-sources B="$build" >&2
 said $? "declarations from the headers, held to the list of layouts"
@@ -71,7 +74,10 @@ for wrong in $here/refused/*.rs; do
     # shellcheck disable=SC2086
     rustc $edition --emit=metadata $uses --out-dir "$room" "$wrong" 2>"$room/wrong.log"
     seen=$(sed -n 's/^error\[\(E[0-9]*\)\].*/\1/p' "$room/wrong.log" | sort -u | tr '\n' ' ')
-    [ "$seen" = "$wanted " ] || { said 1 "$(basename "$wrong"): '$seen' instead of $wanted" && cat "$room/wrong.log" >&2; }
+    if [ "$seen" != "$wanted " ]; then
+        said 1 "$(basename "$wrong"): '$seen' instead of $wanted"
+        cat "$room/wrong.log" >&2
+    fi
     count=$((count + 1))
 done
 [ $count -ge 14 ]
@@ -95,8 +101,10 @@ else
     skip "clippy: no clippy-driver"
 fi
 if command -v rustfmt >/dev/null 2>&1; then
-    rustfmt --check --config-path src/bindings/rust src/bindings/rust/dynpoint-sys/build.rs $here/*.rs $here/refused/*.rs \
-        $(ls src/bindings/rust/dynpoint/src/*.rs | grep -v /lib.rs) >&2
+    # lib.rs names the file that is made.
+    sources=$(ls src/bindings/rust/dynpoint-sys/build.rs src/bindings/rust/dynpoint/src/*.rs | grep -v /lib.rs)
+    # shellcheck disable=SC2086
+    rustfmt --check --config-path src/bindings/rust $sources $here/*.rs $here/refused/*.rs >&2
     said $? "rustfmt"
 else
     skip "rustfmt: there is none"
@@ -110,7 +118,8 @@ crate "$room/installed" dynpoint_sys $host -L native="$build" -l dylib=dynpoint_
     -l dylib=dynpoint_compile -l dylib=dynpoint &&
     crate "$room/installed" dynpoint $host --extern dynpoint_sys="$room/installed/libdynpoint_sys.rlib"
 said $? "with the host library they compile too"
-tests host "scenes and devices" -L "$room/installed" -L native="$build" --extern dynpoint="$room/installed/libdynpoint.rlib"
+tests host "scenes and devices" -L "$room/installed" -L native="$build" \
+    --extern dynpoint="$room/installed/libdynpoint.rlib"
 
 # Without std and alloc, on a bare target: Rust's linker names what is not there. Rust itself brings mem*.
 target=thumbv7em-none-eabihf
@@ -118,7 +127,8 @@ linker=$(find "$(rustc --print sysroot)/lib/rustlib" -name rust-lld -type f 2>/d
 if [ -d "$(rustc --print sysroot)/lib/rustlib/$target" ] && [ -n "$linker" ]; then
     mkdir "$room/bare" && (
         edition="$edition --target $target -C panic=abort"
-        crate "$room/bare" dynpoint_sys && crate "$room/bare" dynpoint --extern dynpoint_sys="$room/bare/libdynpoint_sys.rlib" &&
+        crate "$room/bare" dynpoint_sys &&
+            crate "$room/bare" dynpoint --extern dynpoint_sys="$room/bare/libdynpoint_sys.rlib" &&
             rustc $edition -O -L "$room/bare" --extern dynpoint="$room/bare/libdynpoint.rlib" --crate-type staticlib \
                 --out-dir "$room/bare" $here/bare.rs >&2
     ) && "$linker" -flavor gnu --gc-sections -e press_from_c --warn-unresolved-symbols "$room/bare/libbare.a" \

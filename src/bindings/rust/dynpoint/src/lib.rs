@@ -68,6 +68,9 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std as alloc;
 
+#[macro_use]
+mod mirror;
+
 mod block;
 mod body;
 #[cfg(feature = "compile")]
