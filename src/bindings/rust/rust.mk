@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The crates of Rust (docs/rust.md): sources of the tree, declarations made from the headers, and the single files.
 RUST := $(B)/rust
+RUST_TARGET = $(abspath $(RUST)/target)
 RUST_SOURCES := $(wildcard $(addprefix src/bindings/rust/,README.md $(addprefix dynpoint*/,Cargo.toml *.rs src/*.rs)))
 
 .PHONY: crate crate-sources
@@ -17,6 +18,6 @@ $(RUST)/crates/Cargo.toml: $(B)/abi.json $(B)/amalgamation/LICENSE tools/packagi
 	  $(@D)/dynpoint-sys/src/abi.rs $(@D)/dynpoint/src/plain.rs
 	@printf '[workspace]\nmembers = ["dynpoint-sys", "dynpoint"]\nresolver = "2"\n' >$@
 
-crate: crate-sources ## the crates of Rust, build/rust/crates/target/package/*.crate (python3 with pycparser, cargo)
-	cd $(RUST)/crates && cargo package --quiet --workspace --allow-dirty $(CARGO_FLAGS)
-	@ls $(RUST)/crates/target/package/*.crate
+crate: crate-sources ## the crates of Rust, build/rust/target/package/*.crate (python3 with pycparser, cargo)
+	cd $(RUST)/crates && cargo package --quiet --workspace --allow-dirty --target-dir '$(RUST_TARGET)' $(CARGO_FLAGS)
+	@ls '$(RUST_TARGET)'/package/*.crate

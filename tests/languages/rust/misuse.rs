@@ -6,7 +6,7 @@ use dynpoint::{
 use dynpoint::{
     Hull, Load, Mesh, Pose, QueryDef, Segment, SpringNetDef, Springs, SpringsDef, Tip, Tool, World, WorldDef,
 };
-use std::mem::MaybeUninit;
+use std::mem::{size_of, MaybeUninit};
 use std::panic::{catch_unwind, AssertUnwindSafe};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Arc;
@@ -328,6 +328,17 @@ fn panics_pass_through_c() {
     world.step(0.001).unwrap();
     assert_eq!(tool.wrench(&world).unwrap().force, [0.0, 2.0, 0.0]);
 
+    let other = world.add_tool(&[ROD]).unwrap();
+    other.set_pose(&mut world, &above()).unwrap();
+    for tool in [tool, other] {
+        tool.set_shaper(&mut world, |_, _, _| panic!("of two")).unwrap();
+    }
+    assert!(catch_unwind(AssertUnwindSafe(|| world.step(0.001))).is_err());
+    for tool in [tool, other] {
+        tool.remove_shaper(&mut world).unwrap();
+    }
+    world.step(0.001).unwrap();
+
     let compile = |compiler: Compiler<'_>| catch_unwind(AssertUnwindSafe(|| compiler.arrays(&CORNERS, &BOX)));
     assert!(compile(Compiler::new().progress(|_, _| panic!("of the progress"))).is_err());
     let stopped = compile(Compiler::new().progress(|_, _| false)).unwrap();
@@ -420,13 +431,56 @@ fn who_may_be_sent_and_shared() {
     fn sent<T: Send>() {}
     fn shared<T: Sync>() {}
     sent::<(Mesh<'_>, Hull<'_>, World<'_>, Springs<'_>, Guard, WorldDef, DeformableDef, Error)>();
-    shared::<(Mesh<'_>, Hull<'_>, Guard, WorldDef, Error)>();
+    shared::<(Mesh<'_>, Hull<'_>, WorldDef, Error)>();
     let mesh = cube();
     let distances: Vec<_> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| mesh.query_one(&ROD).unwrap().distance)).collect();
         threads.into_iter().map(|one| one.join().unwrap()).collect()
     });
     assert!(distances.iter().all(|one| *one == distances[0]));
+}
+
+/// Addresses for as many items, all 0, which take no memory until they are written.
+fn items<T>(count: usize) -> &'static mut [T] {
+    extern "C" {
+        fn mmap(at: *mut u8, bytes: usize, protection: i32, flags: i32, file: i32, offset: i64) -> *mut u8;
+    }
+    // SAFETY: private, anonymous and without a reserve (0x4022); the items are numbers.
+    unsafe {
+        let start = mmap(std::ptr::null_mut(), count * size_of::<T>(), 3, 0x4022, -1, 0);
+        assert!(start as isize != -1, "no addresses for {count} items");
+        std::slice::from_raw_parts_mut(start.cast(), count)
+    }
+}
+
+#[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+fn counts_beyond_32_bits() {
+    let many = (1 << 32) + 1;
+    let mesh = soft_cube();
+    let mut world = World::new(&WorldDef::default().max_contacts(4)).unwrap();
+    let body = world.add_deformable(&mesh, &Pose::IDENTITY, &DeformableDef::default(), &[]).unwrap();
+    let tool = world.add_tool(&[ROD]).unwrap();
+    press(&mut world, tool);
+    let positions = items::<[f32; 3]>(many);
+    assert_eq!(body.set_vertices(&mut world, 0, positions, -1.0), Err(Error::LIMIT));
+    assert_eq!(body.set_vertex_list(&mut world, items(many), positions, -1.0), Err(Error::LIMIT));
+    assert_eq!(body.set_nodes(&mut world, positions), Err(Error::ARGUMENT));
+    assert_eq!(body.set_answered_loads(&mut world, items(many)), Err(Error::LIMIT));
+    assert_eq!(tool.set_segments(&mut world, items(many)), Err(Error::LIMIT));
+    assert_eq!(world.add_tool(items(many)), Err(Error::LIMIT));
+    let mut springs = Springs::new(&mesh, &SpringsDef::default()).unwrap();
+    assert_eq!(springs.step(0.001, items(many)), Err(Error::LIMIT));
+    assert_eq!(springs.set_nodes(0, positions, &[]), Err(Error::LIMIT));
+    assert_eq!(springs.nodes_into(positions, &mut []), Err(Error::LIMIT));
+    let (ends, hits, def) = (items(many), items::<Hit>(many), QueryDef::default());
+    assert_eq!(mesh.query(&Pose::IDENTITY, ends, &[], hits, &def), Err(Error::LIMIT));
+    assert_eq!(Hull::new(items(many), 0.0).unwrap_err(), Error::LIMIT);
+    let net = SpringNetDef::default().kind(dynpoint::net::VOLUME);
+    let fixed = Compiler::new().springs(net, &[], items(many)).arrays(&CORNERS, &BOX);
+    assert_eq!(fixed.unwrap_err().error, Error::LIMIT);
+    assert_eq!(Compiler::new().arrays(items(many), &BOX).unwrap_err().error, Error::LIMIT);
+    assert_eq!(tool.contacts_into(&world, items(many)), tool.contacts(&world).map(|all| all.len()));
 }
 
 #[test]

@@ -30,7 +30,7 @@ fi
 # cargo takes `cc` from where it was fetched once: no network is needed.
 export CARGO_TARGET_DIR="$room/target"
 if command -v cargo >/dev/null 2>&1 && (cd "$crates" && cargo fetch --quiet --offline) >&2; then
-    make -s crate B="$build" CARGO_FLAGS=--offline >&2
+    make -s crate B="$build" RUST_TARGET="$room/target" CARGO_FLAGS=--offline >&2
     said $? "cargo package: both crates are packed, and compile from what is packed"
     mkdir "$room/packed" "$room/user" "$room/user/src"
     for packed in "$room"/target/package/*.crate; do tar -xzf "$packed" -C "$room/packed" || said 1 "$packed"; done

@@ -80,7 +80,7 @@ for wrong in $here/refused/*.rs; do
     fi
     count=$((count + 1))
 done
-[ $count -ge 14 ]
+[ $count -ge 15 ]
 said $? "$count programs do not compile, each for its reason"
 
 if command -v rustdoc >/dev/null 2>&1; then

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 use crate::error::check;
 use crate::{sys, GuardDef, GuardInfo, Result, Wrench};
+use core::{cell::Cell, marker::PhantomData};
 
 /// It stands between a host and a device's motors: what leaves it is finite, within limits, and ends when the host falls
 /// silent.
 #[derive(Clone)]
-pub struct Guard(sys::dpt_guard);
+pub struct Guard(sys::dpt_guard, PhantomData<Cell<()>>); // to one thread at a time (guard.h)
 
 impl Guard {
     /// A guard that is off, with all counts 0.
@@ -14,7 +15,7 @@ impl Guard {
         let mut guard = sys::dpt_guard { size, reserved: 0, opaque: [0; 63] };
         // SAFETY: the guard has its size.
         check(unsafe { sys::dpt_guard_init(&mut guard, def.raw()) })?;
-        Ok(Self(guard))
+        Ok(Self(guard, PhantomData))
     }
 
     /// The wrench to send now, on every tick; `None` on one without a command. `is_ready` is false where the device or

@@ -34,13 +34,11 @@ impl<'a> Shaper<'a> {
         self.inner.as_ptr().cast()
     }
 
-    /// Go on with a panic that was held back in C.
+    /// A panic that was held back in C.
     #[cfg(feature = "std")]
-    pub(crate) fn pass_panic_on(&mut self) {
+    pub(crate) fn take_panic(&mut self) -> Option<Box<dyn core::any::Any + Send>> {
         // SAFETY: C has returned, so that nobody else has a reference.
-        if let Some(panic) = unsafe { self.inner.as_mut() }.panic.take() {
-            std::panic::resume_unwind(panic);
-        }
+        unsafe { self.inner.as_mut() }.panic.take()
     }
 }
 

@@ -242,11 +242,15 @@ impl<'a> World<'a> {
         self.kept.retain(|one| one.id != _id);
     }
 
-    /// A panic in a function that shapes a force, once C has returned.
+    /// Go on with a panic in a function that shapes a force, once C has returned: the first, where there are several.
     fn pass_panics_on(&mut self) {
         #[cfg(feature = "std")]
-        for shaper in self.kept.iter_mut().filter_map(|one| one.shaper.as_mut()) {
-            shaper.pass_panic_on();
+        {
+            let shapers = self.kept.iter_mut().filter_map(|one| one.shaper.as_mut());
+            let panics: Vec<_> = shapers.filter_map(Shaper::take_panic).collect();
+            if let Some(first) = panics.into_iter().next() {
+                std::panic::resume_unwind(first);
+            }
         }
     }
 }
