@@ -170,7 +170,7 @@ function look(file, unit, name, quoted, place, used, level, culprit)
     exists[$0] = 1
     held[folder_of($0)]++
     name = basename_of($0)
-    if (name ~ /^(README[.]md|package[.]json)$/) next # so named by those who read them
+    if (name ~ /^(README[.]md|package[.]json|Cargo[.]toml|lib[.]rs)$/) next # so named by those who read them
     if (name in first) find("name", first[name] " and " $0 ": a file name occurs once")
     else first[name] = $0
 }

@@ -10,87 +10,14 @@ use {crate::block::all_of, alloc::vec::Vec};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Body(pub(crate) u32);
 
+member! {
+    Body, BodySettings, "body", named by "hits and contacts", kept: "mesh",
+    dpt_body_remove, dpt_body_set_pose, dpt_body_teleport, dpt_body_get_pose,
+    dpt_body_set_user, dpt_body_get_user, dpt_body_set_settings, dpt_body_get_settings,
+    dpt_body_is_valid, dpt_body_get_wrench
+}
+
 impl Body {
-    /// The number, as hits and contacts name it.
-    pub const fn id(self) -> u32 {
-        self.0
-    }
-
-    /// The body that a hit or a contact names.
-    pub const fn from_id(id: u32) -> Self {
-        Self(id)
-    }
-
-    /// Remove the body; the world no longer keeps its mesh.
-    pub fn remove(self, world: &mut World<'_>) -> Result<()> {
-        // SAFETY: the world is there.
-        check(unsafe { sys::dpt_body_remove(world.as_raw(), self.0) })?;
-        world.let_go(self.0);
-        Ok(())
-    }
-
-    /// Move the body; the motion is swept.
-    pub fn set_pose(self, world: &mut World<'_>, pose: &Pose) -> Result<()> {
-        // SAFETY: world and pose are there.
-        check(unsafe { sys::dpt_body_set_pose(world.as_raw(), self.0, pose.raw()) })
-    }
-
-    /// Put the body somewhere else without a motion.
-    pub fn teleport(self, world: &mut World<'_>, pose: &Pose) -> Result<()> {
-        // SAFETY: as above.
-        check(unsafe { sys::dpt_body_teleport(world.as_raw(), self.0, pose.raw()) })
-    }
-
-    /// The last valid pose.
-    pub fn pose(self, world: &World<'_>) -> Result<Pose> {
-        let mut pose = Pose::IDENTITY;
-        // SAFETY: as above.
-        check(unsafe { sys::dpt_body_get_pose(world.as_raw(), self.0, pose.raw_mut()) })?;
-        Ok(pose)
-    }
-
-    /// A value of your own.
-    pub fn set_user(self, world: &mut World<'_>, user: u64) -> Result<()> {
-        // SAFETY: the world is there.
-        check(unsafe { sys::dpt_body_set_user(world.as_raw(), self.0, user) })
-    }
-
-    /// The value of your own, 0 at first.
-    pub fn user(self, world: &World<'_>) -> Result<u64> {
-        let mut user = 0;
-        // SAFETY: as above.
-        check(unsafe { sys::dpt_body_get_user(world.as_raw(), self.0, &mut user) })?;
-        Ok(user)
-    }
-
-    /// Change settings; begin with those of [`Body::settings`].
-    pub fn set_settings(self, world: &mut World<'_>, settings: &BodySettings) -> Result<()> {
-        // SAFETY: the settings have their size.
-        check(unsafe { sys::dpt_body_set_settings(world.as_raw(), self.0, settings.raw()) })
-    }
-
-    /// The body's settings.
-    pub fn settings(self, world: &World<'_>) -> Result<BodySettings> {
-        let mut settings = BodySettings::empty();
-        // SAFETY: as above.
-        check(unsafe { sys::dpt_body_get_settings(world.as_raw(), self.0, settings.raw_mut()) })?;
-        Ok(settings)
-    }
-
-    /// Whether the world has this body.
-    pub fn is_valid(self, world: &World<'_>) -> bool {
-        // SAFETY: the world is there.
-        unsafe { sys::dpt_body_is_valid(world.as_raw(), self.0) != 0 }
-    }
-
-    /// What all tools do to the body in the last step.
-    pub fn wrench(self, world: &World<'_>) -> Result<Wrench> {
-        let mut wrench = Wrench::empty();
-        // SAFETY: world and wrench are there.
-        check(unsafe { sys::dpt_body_get_wrench(world.as_raw(), self.0, wrench.raw_mut()) })?;
-        Ok(wrench)
-    }
-
     /// The bytes of a deformable body of this mesh, for [`World::add_deformable_in`].
     pub fn deformable_bytes(mesh: &Mesh<'_>, def: &DeformableDef) -> Result<usize> {
         let mut def = *def;

@@ -69,6 +69,8 @@ extern crate alloc;
 extern crate std as alloc;
 
 #[macro_use]
+mod member;
+#[macro_use]
 mod mirror;
 
 mod block;

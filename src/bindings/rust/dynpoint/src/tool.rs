@@ -44,64 +44,19 @@ macro_rules! list {
     };
 }
 
+member! {
+    Tool, ToolSettings, "tool", named by "snapshots and recordings", kept: "hulls and its function",
+    dpt_tool_remove, dpt_tool_set_pose, dpt_tool_teleport, dpt_tool_get_pose,
+    dpt_tool_set_user, dpt_tool_get_user, dpt_tool_set_settings, dpt_tool_get_settings,
+    dpt_tool_is_valid, dpt_tool_get_wrench
+}
+
 impl Tool {
-    /// The number, as snapshots and recordings name it.
-    pub const fn id(self) -> u32 {
-        self.0
-    }
-
-    /// The tool of a number.
-    pub const fn from_id(id: u32) -> Self {
-        Self(id)
-    }
-
-    /// Remove the tool; the world no longer keeps its hulls and its function.
-    pub fn remove(self, world: &mut World<'_>) -> Result<()> {
-        // SAFETY: the world is there.
-        check(unsafe { sys::dpt_tool_remove(world.as_raw(), self.0) })?;
-        world.let_go(self.0);
-        Ok(())
-    }
-
-    /// Move the tool; the motion is swept.
-    pub fn set_pose(self, world: &mut World<'_>, pose: &Pose) -> Result<()> {
-        // SAFETY: world and pose are there.
-        check(unsafe { sys::dpt_tool_set_pose(world.as_raw(), self.0, pose.raw()) })
-    }
-
     /// Move a free tool: as many segments as it has, in the world.
     pub fn set_segments(self, world: &mut World<'_>, segments: &[Segment]) -> Result<()> {
         let count = count_of(segments.len())?;
         // SAFETY: there are as many segments.
         check(unsafe { sys::dpt_tool_set_segments(world.as_raw(), self.0, first_of(segments).cast(), count) })
-    }
-
-    /// Put the tool somewhere else without a motion.
-    pub fn teleport(self, world: &mut World<'_>, pose: &Pose) -> Result<()> {
-        // SAFETY: world and pose are there.
-        check(unsafe { sys::dpt_tool_teleport(world.as_raw(), self.0, pose.raw()) })
-    }
-
-    /// The last valid pose.
-    pub fn pose(self, world: &World<'_>) -> Result<Pose> {
-        let mut pose = Pose::IDENTITY;
-        // SAFETY: as above.
-        check(unsafe { sys::dpt_tool_get_pose(world.as_raw(), self.0, pose.raw_mut()) })?;
-        Ok(pose)
-    }
-
-    /// A value of your own.
-    pub fn set_user(self, world: &mut World<'_>, user: u64) -> Result<()> {
-        // SAFETY: the world is there.
-        check(unsafe { sys::dpt_tool_set_user(world.as_raw(), self.0, user) })
-    }
-
-    /// The value of your own, 0 at first.
-    pub fn user(self, world: &World<'_>) -> Result<u64> {
-        let mut user = 0;
-        // SAFETY: as above.
-        check(unsafe { sys::dpt_tool_get_user(world.as_raw(), self.0, &mut user) })?;
-        Ok(user)
     }
 
     /// Test a motion to `pose` without moving the tool: the first touch, and where the tool is then.
@@ -125,20 +80,6 @@ impl Tool {
         Ok(first)
     }
 
-    /// Change settings; begin with those of [`Tool::settings`].
-    pub fn set_settings(self, world: &mut World<'_>, settings: &ToolSettings) -> Result<()> {
-        // SAFETY: the settings have their size.
-        check(unsafe { sys::dpt_tool_set_settings(world.as_raw(), self.0, settings.raw()) })
-    }
-
-    /// The tool's settings.
-    pub fn settings(self, world: &World<'_>) -> Result<ToolSettings> {
-        let mut settings = ToolSettings::empty();
-        // SAFETY: as above.
-        check(unsafe { sys::dpt_tool_get_settings(world.as_raw(), self.0, settings.raw_mut()) })?;
-        Ok(settings)
-    }
-
     /// The pose of the tool's proxy.
     pub fn proxy(self, world: &World<'_>) -> Result<Pose> {
         let mut pose = Pose::IDENTITY;
@@ -153,12 +94,6 @@ impl Tool {
         // SAFETY: as above.
         check(unsafe { sys::dpt_tool_get_end(world.as_raw(), self.0, pose.raw_mut()) })?;
         Ok(pose)
-    }
-
-    /// Whether the world has this tool.
-    pub fn is_valid(self, world: &World<'_>) -> bool {
-        // SAFETY: the world is there.
-        unsafe { sys::dpt_tool_is_valid(world.as_raw(), self.0) != 0 }
     }
 
     /// The nearest pair of the tool and all bodies.
@@ -206,14 +141,6 @@ impl Tool {
         // SAFETY: the info has its size.
         check(unsafe { sys::dpt_tool_get_force_info(world.as_raw(), self.0, info.raw_mut()) })?;
         Ok(info)
-    }
-
-    /// The wrench alone.
-    pub fn wrench(self, world: &World<'_>) -> Result<Wrench> {
-        let mut wrench = Wrench::empty();
-        // SAFETY: world and wrench are there.
-        check(unsafe { sys::dpt_tool_get_wrench(world.as_raw(), self.0, wrench.raw_mut()) })?;
-        Ok(wrench)
     }
 
     /// What the tool does to one body.
