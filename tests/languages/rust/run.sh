@@ -40,7 +40,7 @@ tests() {
     shift 2
     # shellcheck disable=SC2086
     DYNPOINT_VERSION=$version rustc $edition -D warnings --test "$@" $here/$source.rs -o "$room/$source" >&2 &&
-        LD_PRELOAD=${preload:-} LD_LIBRARY_PATH=$build "$room/$source" >"$room/$source.log" 2>&1
+        MALLOC_PERTURB_=165 LD_PRELOAD=${preload:-} LD_LIBRARY_PATH=$build "$room/$source" >"$room/$source.log" 2>&1
     tested=$?
     said $tested "$what: $(sed -n 's/^test result: //p' "$room/$source.log" 2>/dev/null | tail -n 1)"
     [ $tested -eq 0 ] || cat "$room/$source.log" >&2
