@@ -38,7 +38,7 @@ if command -v cargo >/dev/null 2>&1 && (cd "$crates" && cargo fetch --quiet --of
         "$version/src/plain.rs" "$version/LICENSE" "sys-$version/LICENSE" "$version/README.md"; do
         [ -s "$room/packed/dynpoint-$file" ] || said 1 "a package has no $file"
     done
-    ! grep -rlE "$PWD|/root/|/home/" "$room/packed" >&2
+    ! grep -rlF -e "$PWD" -e "${HOME:-$PWD}/" "$room/packed" >&2
     said $? "packages know no path of this machine"
     cp $here/touch.rs "$room/user/src/main.rs"
     cat >"$room/user/Cargo.toml" <<END
