@@ -55,6 +55,11 @@ END
     user=$(cd "$room/user" && cargo run --quiet --release --offline 2>"$room/user.log")
     [ "$(echo "$user" | cut -d' ' -f 1,2)" = "$(echo "$touched" | cut -d' ' -f 1,2)" ] || cat "$room/user.log" >&2
     said $? "a user's project over the packages has the same wrenches: ${user-}"
+    libraries=$(cd "$build" && pwd)
+    user=$(cd "$room/user" && DYNPOINT_LIB_DIR=$libraries LD_LIBRARY_PATH=$libraries cargo run --quiet --release \
+        --offline --features dynpoint/host 2>"$room/user.log")
+    [ "$(echo "$user" | cut -d' ' -f 1,2)" = "$(echo "$touched" | cut -d' ' -f 1,2)" ] || cat "$room/user.log" >&2
+    said $? "likewise over installed libraries: ${user-}"
     (cd "$crates" && RUSTDOCFLAGS='-D warnings' cargo doc --quiet --no-deps --offline) >&2
     said $? "cargo doc has no warning"
     (cd "$crates" && cargo clippy --quiet --workspace --offline -- -D warnings) >&2
