@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-//! Declarations of [dynpoint](https://docs.rs/dynpoint): all that its libraries export, made from the headers.
+//! Declarations of dynpoint: all that its libraries export, made from the headers.
 //!
 //! The crate compiles the core from one C file, and with the feature `compile` the compiler of meshes from another. With
 //! `installed` it links the libraries of the system instead; `host`, `urdf` and `convex` declare what those alone have.
