@@ -330,6 +330,7 @@ demo: ## build, make a liver, slide a tool over it, and prove every answer
 	@sh tools/demo.sh $(B)
 
 include src/bindings/wasm/wasm.mk
+include src/bindings/js/js.mk
 include src/bindings/python/python.mk
 include src/bindings/csharp/csharp.mk
 include src/bindings/java/java.mk
@@ -349,7 +350,7 @@ uninstall: ## what the manifest of install lists
 
 help: ## this list
 	@echo 'make [TARGET] [CONFIG=release|scalar|sanitize|debug|coverage] [DRIVERS="$(BACK_ENDS)"] [URDF=no] [CONVEX=no] [JANSSON=no] [LWS=no] [VIEW_PAGE=no]'
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' Makefile src/bindings/wasm/wasm.mk src/bindings/python/python.mk src/bindings/csharp/csharp.mk src/bindings/java/java.mk src/bindings/rust/rust.mk tools/page/page.mk tests/tests.mk | expand -t 16
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  \1\t\2/p' $(filter Makefile %.mk,$(MAKEFILE_LIST)) | expand -t 16
 
 clean: ## remove build/
 	rm -rf build

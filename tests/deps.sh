@@ -29,7 +29,7 @@ python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its te
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv
 wheels|72 MB, 10 more of another machine, and some 310 from PyPI|the wheels of a release of the package of Python, also for AArch64|python3 python3-venv libjansson-dev libccd-dev qemu-user-static
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
-wasm|75 MB|the core for browsers and node: WebAssembly|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs
+wasm|75 MB, and TypeScript from npm|the core for browsers and node: WebAssembly, and its package of npm|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs npm
 languages|23 MB, and 35 more from PyPI|the same scene in C# and Java: Mono; a runtime of Java from PyPI, a compiler of Java|python3 python3-venv python3-pycparser mono-mcs mono-runtime libeclipse-jdt-core-java'
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
@@ -48,17 +48,15 @@ missing() {
     done
 }
 
-# three.js as it is locked, below build/view; not again while the lock is the same.
-fetch_three() {
-    if [ -e build/view/node_modules/three/package.json ] &&
-        cmp -s tools/view/page/package-lock.json build/view/package-lock.json; then
+# fetch_locked PACKAGE FROM INTO WHAT: one of npm as it is locked; not again while the lock is the same.
+fetch_locked() {
+    if [ -e "$3/node_modules/$1/package.json" ] && cmp -s "$2/package-lock.json" "$3/package-lock.json"; then
         return 0
     fi
-    mkdir -p build/view &&
-        cp tools/view/page/package.json tools/view/page/package-lock.json tools/view/page/.npmrc build/view &&
-        (cd build/view && npm ci --ignore-scripts --no-audit --no-fund >npm.log 2>&1) && return 0
-    echo "npm ci failed (build/view/npm.log): there is no three.js, and so no viewer's page"
-    rm -f build/view/package-lock.json
+    mkdir -p "$3" && cp "$2/package.json" "$2/package-lock.json" "$2/.npmrc" "$3" &&
+        (cd "$3" && npm ci --ignore-scripts --no-audit --no-fund >npm.log 2>&1) && return 0
+    echo "npm ci failed ($3/npm.log): there is no $4"
+    rm -f "$3/package-lock.json"
     return 1
 }
 
@@ -76,7 +74,8 @@ fetch() {
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
     languages) sh tests/lib/venv.sh build/venv-java tests/languages/java/requirements.txt ;;
     motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
-    view) fetch_three ;;
+    view) fetch_locked three tools/view/page build/view "three.js, and so no viewer's page" ;;
+    wasm) fetch_locked typescript tests/js build/js "TypeScript" ;;
     platforms) sh tests/lib/venv.sh build/venv-platforms tests/platforms/requirements.txt ;;
     vm)
         sh tests/vm/kernel.sh fetch

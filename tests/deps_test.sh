@@ -7,12 +7,14 @@ here=$(cd "$(dirname "$0")/.." && pwd) || exit 2
 . "$here/tests/lib/verdict.sh"
 scratch=$1/deps_test
 rm -rf "$scratch"
-mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view/page" "$scratch/tree/tests/lib" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle" "$scratch/tree/tests/python"
+mkdir -p "$scratch/bin" "$scratch/rest" "$scratch/tree/tools/view/page" "$scratch/tree/tests/lib" "$scratch/tree/tests/js" "$scratch/tree/tests/vm" "$scratch/tree/tests/oracle" "$scratch/tree/tests/python"
 scratch=$(cd "$scratch" && pwd) || exit 2
 (cd "$here" && cp Makefile "$scratch/tree" && cp tests/deps.sh tests/run.sh tests/programs.txt "$scratch/tree/tests" &&
     cp tests/lib/venv.sh tests/lib/jobs.sh "$scratch/tree/tests/lib" && cp tests/vm/kernel.sh "$scratch/tree/tests/vm" &&
     cp tests/python/foreign_root.sh "$scratch/tree/tests/python")
-for file in package.json package-lock.json .npmrc; do : >"$scratch/tree/tools/view/page/$file"; done
+for file in package.json package-lock.json .npmrc; do
+    for folder in tools/view/page tests/js; do : >"$scratch/tree/$folder/$file"; done
+done
 export INSTALLED="$scratch/installed" CALLS="$scratch/calls" USER_ID=0
 unset DEPS MAKEFLAGS MAKELEVEL 2>/dev/null
 

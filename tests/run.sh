@@ -117,6 +117,7 @@ else
     run "CMake" sh tests/abi/cmake.sh build
     run "what is installed" sh tests/abi/install.sh build
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
+    run_reading "include src tools/packaging" "the package of npm" sh tests/js/check.sh build
     run_reading "include src drivers tools tests/abi docs/samples" "Python's package" env RELEASE="$release" sh tests/python/check.sh build
     run_reading "include src drivers tools tests/abi" "other languages, the same scene" env RELEASE="$release" sh tests/languages/check.sh build
     command_line build

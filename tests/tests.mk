@@ -278,6 +278,10 @@ check-view: all ## the viewer's page in a headless Chromium; make check does it 
 check-wasm: all $(B)/tests/wasm/native_answers ## WebAssembly against the native library; make check does it too
 	@sh tests/wasm/check.sh $(B)
 
+.PHONY: check-npm
+check-npm: ## the package of npm, as it is installed; make check does it too
+	@sh tests/js/check.sh $(B)
+
 check-platforms: all ## musl, Windows by mingw-w64, zig and wine, macOS by zig; make check does musl, make check-release all
 	@sh tests/platforms/musl.sh $(B)
 	@sh tests/platforms/windows.sh $(B)

@@ -22,7 +22,7 @@ if ! echo '#include <stdlib.h>' | clang --target=wasm32-wasi -E -x c - >/dev/nul
     skip "WebAssembly: no C library for it (make deps wasm)"
     finish
 fi
-make -s wasm CFLAGS_EXTRA=-Werror >"$room/make" 2>&1
+flock "$build/wasm.lock" make -s wasm CFLAGS_EXTRA=-Werror >"$room/make" 2>&1
 verdict $? "make wasm: $(tail -n 1 "$room/make")"
 count "the modules" node tests/wasm/modules.js $wasm "$build" "$room"
 

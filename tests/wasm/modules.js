@@ -261,7 +261,8 @@ async function conduct(core, compiler) {
     world.step(0.001);
     assert.deepStrictEqual(Array.from(world.getVertices(body)), Array.from(rest.map((value, k) => (k % 3 === 2 ? value + 0.001 : value))));
     throwsCode("DPT_E_ARGUMENT", () => world.setVertices(body, rest, 1));
-    throwsCode("DPT_E_ARGUMENT", () => world.setVertices(body, rest.subarray(0, 4), NEVER));
+    throwsCode("DPT_E_ARGUMENT", () => world.setVertices(body, rest.subarray(0, 3), NEVER));
+    assert.throws(() => world.setVertices(body, rest.subarray(0, 4)), /a list of vertices is a Float32Array of 3 numbers each/);
     world.close();
     mesh.close();
     assert(idle() === before, `${idle()} blocks, not ${before}`);

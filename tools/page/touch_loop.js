@@ -3,8 +3,8 @@
 // them; and what rate was reached. It has neither clock nor channel of its own: tests give it others.
 "use strict";
 const touchLoop = (() => {
-  const TICK = 1; // ms
-  const CATCH_UP = 30; // ms: what is later is left out
+  const TICK = 0.001; // s
+  const CATCH_UP = 0.03; // s: what is later is left out
   const LONGEST = 25; // ms that one call may take
   const FRAME = 1000 / 60; // ms
   const ON_THE_WAY = 2; // frames that the page has not drawn yet
@@ -56,14 +56,14 @@ const touchLoop = (() => {
       this.late = [];
       this.took = [];
       this.frameAt = -Infinity;
+      this.pace = new dynpoint.Pace({ period: TICK, catchUp: CATCH_UP });
       this.resume();
     }
 
     // From now on, as if no time had passed.
     resume() {
       const now = this.on.now();
-      this.begun = now;
-      this.done = 0;
+      this.pace.begin(now);
       this.stretches = [{ at: now, ticks: 0, busy: 0, frames: 0 }];
     }
 
@@ -80,16 +80,11 @@ const touchLoop = (() => {
     }
 
     run(now) {
-      const late = now - this.begun - this.done * TICK;
-      if (late > CATCH_UP) {
-        const left = Math.floor((late - CATCH_UP) / TICK);
-        this.lost += left;
-        this.begun += left * TICK;
-      }
-      const due = Math.floor((now - this.begun) / TICK);
-      const from = this.done;
-      while (this.done < due && this.on.now() - now < LONGEST) this.tick(now);
-      const count = this.done - from;
+      const { pace } = this;
+      this.lost += pace.skip(now);
+      const from = pace.done;
+      while (pace.due(now) > 0 && this.on.now() - now < LONGEST) this.tick(now);
+      const count = pace.done - from;
       if (count === 0) return;
       const busy = this.on.now() - now;
       this.stretch.ticks += count;
@@ -103,8 +98,8 @@ const touchLoop = (() => {
       if (this.idle) touch.device.want(this.idle(touch.time));
       const tick = touch.step();
       this.changes.add(touch.force);
-      tick.late = Math.max(0, now - this.begun - this.done * TICK - TICK) / 1000;
-      this.done++;
+      tick.late = Math.max(0, this.pace.late(now)) / 1000;
+      this.pace.done++;
       this.late.push(tick.late);
       this.unsent.push(tick);
       this.onTick?.(touch);

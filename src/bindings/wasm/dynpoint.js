@@ -22,20 +22,26 @@
   const CONSTANTS = {/*@CONSTANTS@*/};
 
 /*@FILE wasm_memory.js@*/
-  async function instantiate(bytes) {
-    const { instance } = await WebAssembly.instantiate(bytes, {});
-    return instance.exports;
+  // source: the bytes of a module, or a WebAssembly.Module, which several threads may share
+  async function instantiate(source) {
+    const isModule = source instanceof WebAssembly.Module;
+    const module = isModule ? source : await WebAssembly.compile(bytesOf(source, "a module"));
+    return (await WebAssembly.instantiate(module, {})).exports;
   }
 
 /*@FILE wasm_core.js@*/
 /*@FILE wasm_world.js@*/
 /*@FILE wasm_compiler.js@*/
+/*@FILE paced_loop.js@*/
   const dynpoint = {
     DynpointError,
     constants: CONSTANTS,
-    openCore: async bytes => new Core(await instantiate(bytes)),
-    async openCompiler(bytes) {
-      const exports = await instantiate(bytes);
+    layouts,
+    Pace,
+    Loop,
+    openCore: async source => new Core(await instantiate(source)),
+    async openCompiler(source) {
+      const exports = await instantiate(source);
       exports._initialize();
       return new Compiler(exports);
     },

@@ -41,15 +41,18 @@ class Compiler {
    */
   compile(source, options = {}) {
     return this.withBlocks((allocate, copy) => {
-      const from = copy(source);
+      const file = bytesOf(source, "a mesh's file");
+      const from = copy(file);
       return this.run(allocate, copy, options, (...rest) =>
-        this.exports.dpt_compile_bytes(from, source.byteLength, ...rest),
+        this.exports.dpt_compile_bytes(from, file.byteLength, ...rest),
       );
     });
   }
 
   // vertices: Float64Array, 3 each; corners: Uint32Array, 3 a triangle
   compileArrays(vertices, corners, options = {}) {
+    checkArray(vertices, Float64Array, 3, "a list of vertices");
+    checkArray(corners, Uint32Array, 3, "a list of triangles");
     return this.withBlocks((allocate, copy) => {
       const [xyz, numbers] = [copy(vertices), copy(corners)];
       return this.run(allocate, copy, options, (...rest) =>
@@ -65,7 +68,7 @@ class Compiler {
     const def = struct("dpt_compile_def");
     this.exports.dpt_compile_def_defaults(def, layouts.dpt_compile_def.bytes);
     const net = springs ? this.springs(allocate, copy, struct, springs) : 0;
-    this.memory.write("dpt_compile_def", def, { ...options, format: number, springs: net });
+    this.memory.write("dpt_compile_def", def, options, { format: number, springs: net });
     const [out, diag] = [struct("dpt_compiled"), struct("dpt_diag")];
     const result = call(def, out, diag);
     if (result !== CONSTANTS.DPT_OK) throw this.fault(result, this.memory.read("dpt_diag", diag));
@@ -91,8 +94,7 @@ class Compiler {
       const place = this.memory.begin("dpt_spring_region", at + k * bytes);
       this.memory.write("dpt_spring_region", place, region);
     });
-    this.memory.write("dpt_spring_net_def", net, {
-      ...values,
+    this.memory.write("dpt_spring_net_def", net, values, {
       kind: NETS[kind],
       fixed: copy(Uint32Array.from(fixed)),
       fixedCount: fixed.length,

@@ -24,6 +24,13 @@ class Core {
     throw new DynpointError(code, more ?? this.memory.text(this.exports.dpt_result_text(result)));
   }
 
+  // Calls work(place); then force and torque there, N and N m.
+  wrench(work) {
+    this.check(work(this.place(0)));
+    const at = this.place(0);
+    return { force: this.memory.doublesAt(at, 3), torque: this.memory.doublesAt(at + 3 * 8, 3) };
+  }
+
   // A place for a struct in the scratch, that counts from 0; they do not overlap.
   place(k) {
     return this.scratch + k * LONG;
@@ -37,10 +44,10 @@ class Core {
   }
 
   // A def with the library's defaults, and what `values` has.
-  def(name, values, k) {
+  def(name, values, k, own) {
     const at = this.memory.begin(name, this.place(k));
     this.exports[`${name}_defaults`](at, layouts[name].bytes);
-    this.memory.write(name, at, values);
+    this.memory.write(name, at, values, own);
     return at;
   }
 
@@ -48,13 +55,15 @@ class Core {
   plain(name, values, k) {
     const { bytes } = layouts[name];
     if (values === undefined || values === null) return 0;
-    if (values.length * 8 !== bytes) throw new TypeError(`a ${name.slice(4)} is ${bytes / 8} numbers`);
-    new Float64Array(this.memory.look().buffer, this.place(k), bytes / 8).set(values);
+    if (values.length * 8 !== bytes || !Array.prototype.every.call(values, value => typeof value === "number"))
+      throw new TypeError(`a ${name.slice(4)} is ${bytes / 8} numbers`);
+    this.memory.look().doubles.set(values, this.place(k) / 8);
     return this.place(k);
   }
 
   // file: the bytes of a .dpa. They are copied.
-  openMesh(file) {
+  openMesh(source) {
+    const file = bytesOf(source, "a .dpa");
     const bytes = this.heap.allocate(file.byteLength);
     try {
       this.memory.put(bytes, file);
@@ -110,14 +119,14 @@ class Mesh {
 
   // Float32Array, 3 a vertex
   getVertices() {
-    const [xyz, count] = this.words((a, b) => this.core.exports.dpt_mesh_get_vertices(this.pointer, a, b));
+    const [xyz, count] = this.words((a, b) => this.core.exports.dpt_mesh_get_vertices(this.in(this.core), a, b));
     return this.array(Float32Array, xyz, 3 * count);
   }
 
   // corners: 3 vertices a triangle; numbers: of the source
   getTriangles() {
     const [corners, numbers, count] = this.words((a, b, c) =>
-      this.core.exports.dpt_mesh_get_triangles(this.pointer, a, b, c),
+      this.core.exports.dpt_mesh_get_triangles(this.in(this.core), a, b, c),
     );
     return {
       corners: this.array(Uint32Array, corners, 3 * count),
@@ -125,10 +134,17 @@ class Mesh {
     };
   }
 
-  // Nothing may use it any more.
+  // Its place in this core's memory
+  in(core) {
+    if (this.pointer === 0) throw new DynpointError("DPT_E_HANDLE", "this mesh is closed");
+    if (this.core !== core) throw new DynpointError("DPT_E_HANDLE", "this mesh is another core's");
+    return this.pointer;
+  }
+
+  // Nothing may use it any more. Once more does nothing.
   close() {
     if (this.users > 0) throw new DynpointError("DPT_E_ARGUMENT", "a world still uses this mesh");
-    this.core.heap.release(this.bytes);
+    if (this.pointer !== 0) this.core.heap.release(this.bytes);
     this.pointer = 0;
   }
 }

@@ -38,6 +38,7 @@ struct layout_row {
 #define VALUE(name, number) { #name, 0, 0, 0, "", name },
 const struct layout_row layout_rows[] = {
 #include <layouts.txt>
+    VALUE(DPT_NONE, ) /* a macro, which the list does not have */
     { 0, 0, 0, 0, 0, 0 }
 };
 /* clang-format on */

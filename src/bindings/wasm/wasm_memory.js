@@ -33,6 +33,38 @@ for (const [name, [bytes, fields]] of Object.entries(STRUCTS)) {
 
 const SIZE = { u32: 4, i32: 4, f32: 4, u64: 8, i64: 8, f64: 8, bits: 8, p: 4 };
 const isNumber = value => typeof value === "number" || typeof value === "bigint";
+// Whole numbers that a field holds as they are; another would lose bits without a word.
+const HOLDS = {
+  u32: value => Number.isInteger(value) && value >= 0 && value < 2 ** 32,
+  i32: value => Number.isInteger(value) && value >= -(2 ** 31) && value < 2 ** 31,
+  u64: value => Number.isSafeInteger(Number(value)) && value >= 0,
+  i64: value => Number.isSafeInteger(Number(value)),
+  bits: value => typeof value === "bigint" && BigInt.asUintN(64, value) === value,
+};
+
+// The bytes of an ArrayBuffer or of a view of one.
+function bytesOf(source, what) {
+  if (Object.prototype.toString.call(source) === "[object ArrayBuffer]") return new Uint8Array(source);
+  if (ArrayBuffer.isView(source)) return new Uint8Array(source.buffer, source.byteOffset, source.byteLength);
+  throw new TypeError(`${what} is a Uint8Array or an ArrayBuffer`);
+}
+
+// A typed array of `group` numbers each.
+function checkArray(array, Type, group, what) {
+  if (!(array instanceof Type) || array.length % group !== 0)
+    throw new TypeError(`${what} is a ${Type.name} of ${group} numbers each`);
+}
+
+// What stands in the place of a module's functions where nothing may be called any more.
+const closed = what =>
+  new Proxy(
+    {},
+    {
+      get() {
+        throw new DynpointError("DPT_E_HANDLE", `this ${what} is closed`);
+      },
+    },
+  );
 const READ = {
   u32: (view, at) => view.getUint32(at, true),
   i32: (view, at) => view.getInt32(at, true),
@@ -65,6 +97,7 @@ class Memory {
     this.buffer = this.memory.buffer;
     this.view = new DataView(this.buffer);
     this.bytes = new Uint8Array(this.buffer);
+    this.doubles = new Float64Array(this.buffer);
   }
 
   look() {
@@ -73,7 +106,15 @@ class Memory {
   }
 
   put(at, array) {
-    this.look().bytes.set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength), at);
+    this.look().bytes.set(bytesOf(array, "an array"), at);
+  }
+
+  // `at` is a multiple of 8.
+  doublesAt(at, count) {
+    const { doubles } = this.look();
+    const list = new Array(count);
+    for (let k = 0; k < count; k++) list[k] = doubles[at / 8 + k];
+    return list;
   }
 
   text(at) {
@@ -102,8 +143,16 @@ class Memory {
     return list;
   }
 
-  // Sets the fields that `values` has; the others stay.
-  write(name, at, values) {
+  // Sets the fields that `values` has; the others stay. An address is the layer's own to give.
+  write(name, at, values, own = {}) {
+    for (const key of Object.keys(values))
+      if (layouts[name].byName.get(key)?.type === "p")
+        throw new TypeError(`${name}.${key} is an address, which ${name} has from elsewhere`);
+    this.set(name, at, values);
+    this.set(name, at, own);
+  }
+
+  set(name, at, values) {
     const { view } = this.look();
     for (const [key, value] of Object.entries(values)) {
       if (value === undefined) continue;
@@ -112,8 +161,11 @@ class Memory {
       const list = field.count === 1 ? [value] : value;
       if (list.length !== field.count || !Array.prototype.every.call(list, isNumber))
         throw new TypeError(`${name}.${key} takes ${field.count === 1 ? "a number" : `${field.count} numbers`}`);
-      for (let k = 0; k < field.count; k++)
-        WRITE[field.type](view, at + field.offset + k * SIZE[field.type], list[k]);
+      if (
+        !Array.prototype.every.call(list, HOLDS[field.type] ?? (item => typeof item === "number" || field.type === "p"))
+      )
+        throw new RangeError(`${name}.${key} does not hold ${String(value)}`);
+      for (let k = 0; k < field.count; k++) WRITE[field.type](view, at + field.offset + k * SIZE[field.type], list[k]);
     }
   }
 
@@ -136,6 +188,7 @@ class Heap {
   }
 
   allocate(size) {
+    if (!Number.isSafeInteger(size) || size < 0) throw new RangeError(`${size} is no count of bytes`);
     const bytes = Math.max(BLOCK, Math.ceil(size / BLOCK) * BLOCK);
     const k = this.free.findIndex(block => block[1] >= bytes);
     const at = k < 0 ? this.grow(bytes) : this.free[k][0];

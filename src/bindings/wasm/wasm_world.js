@@ -31,7 +31,7 @@ class World {
 
   numbers(count, call) {
     this.core.check(call(this.core.place(0)));
-    return Array.from(new Float64Array(this.memory.look().buffer, this.core.place(0), count));
+    return this.memory.doublesAt(this.core.place(0), count);
   }
 
   pose(pose) {
@@ -39,9 +39,15 @@ class World {
   }
 
   addBody(mesh, pose) {
-    const body = this.made(at => this.call.dpt_body_add(this.world, mesh.pointer, this.pose(pose), at));
+    const from = this.placeOf(mesh);
+    const body = this.made(at => this.call.dpt_body_add(this.world, from, this.pose(pose), at));
     this.hold(body, mesh);
     return body;
+  }
+
+  placeOf(mesh) {
+    if (!(mesh instanceof Mesh)) throw new TypeError("a body is of a mesh that openMesh gave");
+    return mesh.in(this.core);
   }
 
   hold(body, mesh) {
@@ -52,8 +58,8 @@ class World {
   // def: the fields of dpt_deformable_def but mesh and pose
   addDeform(mesh, def = {}, pose) {
     const { heap } = this.core;
-    const from = this.core.def("dpt_deformable_def", { ...def, mesh: mesh.pointer }, 2);
-    this.memory.write("dpt_deformable_def", from, { pose: this.pose(pose) });
+    const own = { mesh: this.placeOf(mesh), pose: this.pose(pose) };
+    const from = this.core.def("dpt_deformable_def", def, 2, own);
     const bytes = this.call.dpt_deformable_bytes(from);
     const block = heap.allocate(bytes);
     try {
@@ -72,7 +78,7 @@ class World {
     const { heap } = this.core;
     if (this.springs.has(body)) throw new DynpointError("DPT_E_ARGUMENT", "this body has springs");
     if (!this.blocks.has(body)) throw new DynpointError("DPT_E_HANDLE", "no body that deforms has this id");
-    const from = this.core.def("dpt_springs_def", { ...def, mesh: this.meshes.get(body).pointer }, 1);
+    const from = this.core.def("dpt_springs_def", def, 1, { mesh: this.meshes.get(body).in(this.core) });
     const bytes = this.call.dpt_springs_bytes(from);
     const block = heap.allocate(bytes);
     try {
@@ -95,9 +101,7 @@ class World {
   // After a step of the world; what dpt_springs_info has
   stepSprings(body, dt) {
     const springs = this.springsOf(body);
-    return this.core.get("dpt_springs_info", at =>
-      this.call.dpt_body_step_springs(this.world, body, springs, dt, at),
-    );
+    return this.core.get("dpt_springs_info", at => this.call.dpt_body_step_springs(this.world, body, springs, dt, at));
   }
 
   getSpringsEnergy(body) {
@@ -108,12 +112,11 @@ class World {
 
   // positions: Float32Array, 3 a vertex, in the body's frame, from vertex `first` on. They move from where they were.
   setVertices(body, positions, first = 0) {
-    const at = this.core.heap.allocate(positions.byteLength);
-    this.memory.put(at, positions);
+    checkArray(positions, Float32Array, 3, "a list of vertices");
     const count = positions.length / 3;
-    const result = this.call.dpt_body_set_vertices(this.world, body, first, count, at, -1);
-    this.core.heap.release(at);
-    this.core.check(result);
+    this.withArray(positions, at =>
+      this.core.check(this.call.dpt_body_set_vertices(this.world, body, first, count, at, -1)),
+    );
   }
 
   getVertices(body) {
@@ -169,12 +172,17 @@ class World {
   }
 
   withSegments(segments, call) {
-    const list = Float64Array.from(segments.flatMap(segment => Array.from(segment)));
+    const list = Float64Array.from(Array.from(segments).flatMap(segment => Array.from(segment)));
     if (list.length !== 7 * segments.length) throw new TypeError("a segment is 7 numbers");
-    const at = this.core.heap.allocate(list.byteLength);
-    this.memory.put(at, list);
+    return this.withArray(list, at => call(at, segments.length));
+  }
+
+  // call(place of a copy of the array)
+  withArray(array, call) {
+    const at = this.core.heap.allocate(array.byteLength);
     try {
-      return call(at, segments.length);
+      this.memory.put(at, array);
+      return call(at);
     } finally {
       this.core.heap.release(at);
     }
@@ -215,8 +223,9 @@ class World {
     this.core.check(this.call.dpt_tool_set_settings(this.world, tool, this.core.place(0)));
   }
 
-  // One tick of dt seconds; what dpt_step has
-  step(dt) {
+  // One tick of dt seconds; what dpt_step has. isTold false: nothing, and a proxy's hits are found when they are read.
+  step(dt, isTold = true) {
+    if (!isTold) return this.core.check(this.call.dpt_world_step(this.world, dt, 0));
     return this.core.get("dpt_step", at => this.call.dpt_world_step(this.world, dt, at));
   }
 
@@ -238,12 +247,18 @@ class World {
 
   // N and N m, at the origin of the tool's frame, along the world's axes
   getWrench(tool) {
-    const six = this.numbers(6, at => this.call.dpt_tool_get_wrench(this.world, tool, at));
-    return { force: six.slice(0, 3), torque: six.slice(3) };
+    return this.core.wrench(at => this.call.dpt_tool_get_wrench(this.world, tool, at));
   }
 
   getForceInfo(tool) {
     return this.core.get("dpt_force_info", at => this.call.dpt_tool_get_force_info(this.world, tool, at));
+  }
+
+  // A block in place of another; where there is no room for it, that one has none.
+  larger(block, bytes) {
+    this.core.heap.release(block.at);
+    Object.assign(block, { at: 0, bytes: 0 });
+    return { at: this.core.heap.allocate(bytes), bytes };
   }
 
   // All structs that a call lists: call(array, capacity, place of the count).
@@ -251,8 +266,7 @@ class World {
     const { bytes } = layouts[name];
     const count = this.made(at => call(0, 0, at));
     if (count * bytes > this.room.bytes) {
-      this.core.heap.release(this.room.at);
-      this.room = { bytes: 2 * count * bytes, at: this.core.heap.allocate(2 * count * bytes) };
+      this.room = this.larger(this.room, 2 * count * bytes);
     }
     if (count === 0) return [];
     this.memory.begin(name, this.room.at);
@@ -271,8 +285,7 @@ class World {
 
   // What all tools do to a body: N and N m, at the origin of its frame, along the world's axes
   getBodyWrench(body) {
-    const six = this.numbers(6, at => this.call.dpt_body_get_wrench(this.world, body, at));
-    return { force: six.slice(0, 3), torque: six.slice(3) };
+    return this.core.wrench(at => this.call.dpt_body_get_wrench(this.world, body, at));
   }
 
   // A Uint8Array in the core's memory, good until the next call: the block of snapshot.h, the same bytes everywhere
@@ -280,8 +293,7 @@ class World {
     const from = this.core.def("dpt_snapshot_def", def, 1);
     const bytes = this.call.dpt_snapshot_bytes(this.world, from);
     if (bytes > this.snapshot.bytes) {
-      this.core.heap.release(this.snapshot.at);
-      this.snapshot = { at: this.core.heap.allocate(bytes), bytes };
+      this.snapshot = this.larger(this.snapshot, bytes);
     }
     const taken = this.made(at =>
       this.call.dpt_world_take_snapshot(this.world, from, this.snapshot.at, this.snapshot.bytes, at),
@@ -289,8 +301,9 @@ class World {
     return this.memory.look().bytes.subarray(this.snapshot.at, this.snapshot.at + taken);
   }
 
-  // The world is gone after it; its meshes stay open.
+  // The world is gone after it; its meshes stay open. Once more does nothing.
   close() {
+    if (this.world === 0) return;
     for (const mesh of this.meshes.values()) mesh.users--;
     for (const at of [this.block, this.room.at, this.snapshot.at, ...[...this.blocks.values()].flat()])
       this.core.heap.release(at);
@@ -298,5 +311,6 @@ class World {
     this.blocks.clear();
     this.springs.clear();
     this.world = 0;
+    this.call = closed("world");
   }
 }

@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# JavaScript: the scene with the package of npm, as it is installed (check.sh beside this folder calls it).
+for tool in clang wasm-ld node npm; do
+    if ! command -v $tool >/dev/null; then
+        echo "skip no $tool (make deps wasm)"
+        exit 0
+    fi
+done
+if ! python3 -c 'import pycparser' 2>/dev/null; then
+    echo "skip no pycparser (make deps light)"
+    exit 0
+fi
+flock "$1/wasm.lock" make -s npm >"$2/make" 2>&1 && sh tests/js/install.sh "$1" "$2" && cp tests/languages/js/touch.mjs "$2" || exit 1
+echo "touch javascript $(node "$2/touch.mjs" "$3")"
