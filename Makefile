@@ -336,6 +336,7 @@ include src/bindings/csharp/csharp.mk
 include src/bindings/java/java.mk
 include src/bindings/rust/rust.mk
 include tools/page/page.mk
+include tools/packaging/site/site.mk
 include tests/tests.mk
 
 # What is installed, and where: tools/packaging/install.sh.

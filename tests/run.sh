@@ -84,6 +84,8 @@ if [ "$whole" = test ]; then
     run "the layers" sh tests/layers.sh build
     run "the first page's figures" python3 -B tests/docs/figures.py
     run "the page of what comes out" python3 -B tests/docs/output.py build
+    run "links and anchors" python3 -B tests/docs/links.py
+    run "blocks of code in the pages" python3 -B tests/docs/blocks.py build
     if [ -x "$(command -v python3)" ]; then
         run "other languages" python3 tests/ffi/touch.py build
         run "the simulated device's oracle" python3 -B tests/drivers/sim_oracle.py build 4
@@ -143,10 +145,13 @@ else
         run "macOS" env JOBS=1 sh tests/platforms/macos.sh build
         run "Python's wheels" env JOBS=1 sh tests/python/wheels.sh build
         run "Python's package, sanitized" env JOBS=1 sh tests/python/sanitize.sh build
+        run "the site of the pages" sh tests/docs/site.sh build
     fi
     run "the layers" sh tests/layers.sh build
     run "the first page's figures" python3 -B tests/docs/figures.py
     run "the page of what comes out" python3 -B tests/docs/output.py build
+    run "links and anchors" python3 -B tests/docs/links.py
+    run "blocks of code in the pages" python3 -B tests/docs/blocks.py build $([ "$whole" != release ] || echo release)
     run "the layers' own test" sh tests/layers_test.sh build
     run "packages for tests" sh tests/deps_test.sh build
     run_reading "" "what has passed is kept" sh tests/run_test.sh build
