@@ -22,7 +22,6 @@ highlight_language = "none"
 default_role = "code"
 html_theme = "furo"
 html_title = f"dynpoint {version}"
-html_extra_path = ["extra"]
 html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["site.css"]
 html_copy_source = False
@@ -41,7 +40,7 @@ def link(app, target, label, anchor=""):
 
 
 def sources(app, tree):
-    """A link to a header leads to its page, one to README to the first one; one to a folder of the tree is its name alone."""
+    """A link to a header leads to its page, one to README to the first; one to a folder of the tree is its name alone."""
     for node in list(tree.findall(addnodes.download_reference)):
         target = (Path(app.env.doc2path(app.env.docname)).parent / node["reftarget"]).resolve()
         if target.parent == TREE / "include/dynpoint":
@@ -85,7 +84,12 @@ def live(app, name, source):
         source[0] = source[0].replace("\n## ", f"\n{organ}\n\n## ", 1)
 
 
+def extra(app, config):
+    config.html_extra_path = [str(Path(app.srcdir) / "extra")]
+
+
 def setup(app):
+    app.connect("config-inited", extra)
     app.connect("source-read", live)
     app.connect("doctree-read", sources)
     app.connect("autodoc-process-docstring", plain)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""stage.py ABI.json OUT [PAGE.html]: the tree as Sphinx reads it, in OUT: README and docs/ as they are, what they link to,
-and a page for each public header and for each module of the package of Python. PAGE.html is the page with the core in it.
+"""stage.py ABI.json OUT [PAGE.html]: the tree as Sphinx reads it, in OUT: README and docs/ as they are, what they link
+to, and a page for each public header and for each module of the package of Python. PAGE.html: the page with the core.
 """
 import json
 import shutil
@@ -53,7 +53,7 @@ def headers(abi, out):
     for library in abi["libraries"]:
         names = [header["name"] for header in library["headers"]]
         for name in names:
-            text = f"``#include <dynpoint/{name}>``, of {library['name']}.\n\n.. doxygenfile:: {name}\n   :project: dynpoint\n"
+            text = f"``#include <dynpoint/{name}>``, of {library['name']}.\n\n.. doxygenfile:: {name}\n"
             write(out / f"api/{name.removesuffix('.h')}.rst", f"{title('dynpoint/' + name)}\n{text}")
         entries = "".join(f"   {name.removesuffix('.h')}\n" for name in names)
         listed.append(f"{title(library['name'], '-')}\n.. toctree::\n   :maxdepth: 1\n\n{entries}\n")
