@@ -15,6 +15,8 @@ import tempfile
 from collections import namedtuple
 from pathlib import Path
 
+from verdicts import Verdicts
+
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(sys.argv[1]).resolve()
 PROGRAM = BUILD / "dynpoint"
@@ -165,14 +167,7 @@ def run(page, blocks, room):
 
 
 def main():
-    failures = passed = 0
-
-    def verdict(right, text):
-        nonlocal failures, passed
-        failures += not right
-        passed += right
-        print(f"  {'ok  ' if right else 'FAIL'} {text}")
-
+    verdict = Verdicts()
     pages = ["README.md", *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("docs/**/*.md"))]
     blocks = [block for page in pages for block in blocks_of(page, (ROOT / page).read_text(encoding="utf-8"))]
     table, program, used, to_run, counts = list(rules()), Program(), set(), {}, {}
@@ -202,8 +197,7 @@ def main():
         with tempfile.TemporaryDirectory() as room:
             ran, fault = run(page, chosen, room)
             verdict(ran > 0 and not fault, f"{page}: {ran} commands run {fault}")
-    print(f"{passed} passed, {failures} failed, 0 skipped")
-    return failures > 0
+    return verdict.finish()
 
 
 sys.exit(main())

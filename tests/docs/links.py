@@ -6,6 +6,8 @@ import re
 import sys
 from pathlib import Path
 
+from verdicts import Verdicts
+
 ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parents[2]).resolve()
 PAGES = ["README.md", "docs/**/*.md", "tests/**/README.md", "src/**/README.md"]
 FENCED = re.compile(r"^(`{3,}).*?^\1", re.S | re.M)
@@ -42,12 +44,11 @@ def main():
                 wrong.append(f"{where}: it is not there")
             elif anchor and place.suffix == ".md" and anchor not in anchors.get(place, ()):
                 wrong.append(f"{where}: no such heading")
+    verdict = Verdicts()
     for line in wrong:
-        print(f"  FAIL {line}")
-    verdict = "ok  " if not wrong and count > 700 else "FAIL"
-    print(f"  {verdict} {len(texts)} pages, {count} links: each leads to a file and a heading that are there")
-    print(f"{int(verdict == 'ok  ')} passed, {len(wrong) + (not wrong and verdict == 'FAIL')} failed, 0 skipped")
-    return verdict == "FAIL"
+        verdict(False, line)
+    verdict(not wrong and count > 700, f"{len(texts)} pages, {count} links: each leads to a file and a heading that are there")
+    return verdict.finish()
 
 
 sys.exit(main())

@@ -8,6 +8,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from verdicts import Verdicts
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/output.md").read_text(encoding="utf-8")
 WANTED = r"(DPT_(?:FORCE|STATUS|HIT_FLAG|STEP_FLAG|E)_[A-Z_]+|DPT_OK)"
@@ -53,14 +55,7 @@ def named(section):
 
 
 def main():
-    failures = passed = 0
-
-    def verdict(right, text):
-        nonlocal failures, passed
-        failures += not right
-        passed += right
-        print(f"  {'ok  ' if right else 'FAIL'} {text}")
-
+    verdict = Verdicts()
     numbers = names()
     verdict(len(numbers) > 60, f"{len(numbers)} names in the headers")
     missing = [name for name, value in numbers.items()
@@ -73,8 +68,7 @@ def main():
             lost, extra = set(written) - named(section), named(section) - set(written)
             verdict(len(written) > 25 and not lost and not extra,
                     f"{section}: {len(written)} columns; not named {sorted(lost)}, not written {sorted(extra)}")
-    print(f"{passed} passed, {failures} failed, 0 skipped")
-    return failures > 0
+    return verdict.finish()
 
 
 sys.exit(main())

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""site.py BUILD: looks at the site of `make docs`, for site.sh. How it looks it cannot say: look.js takes pictures."""
+"""site.py BUILD: looks at the site of `make docs`, for site.sh. How it looks it cannot say."""
 import ast
 import re
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
+
+from verdicts import Verdicts
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = Path(sys.argv[1]) / "docs/site"
@@ -25,11 +27,8 @@ class Page(HTMLParser):
         self.links += [found[name] for name in ("href", "src") if found.get(name)]
 
 
-def verdict(right, text):
-    print("ok" if right else "FAIL", text)
-
-
 def main():
+    verdict = Verdicts()
     top = SITE / VERSION
     pages = {path: Page(path) for path in sorted(top.rglob("*.html"))}
     wanted = {top / path.relative_to(ROOT).with_suffix(".html") for path in ROOT.glob("docs/**/*.md")}
@@ -58,6 +57,7 @@ def main():
             if not place.exists() or (anchor and other and unquote(anchor) not in other.ids):
                 broken.append(f"{path.relative_to(top)}: {link}")
     verdict(count > 5000 and not broken, f"{count} links {len(broken)} {broken[:5]}")
+    return verdict.finish()
 
 
-main()
+sys.exit(main())

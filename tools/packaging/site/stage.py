@@ -19,7 +19,7 @@ PYTHON = {
 PAGES = {
     "Begin": "install tutorial commands concepts output faq comparison",
     "Use": "host drivers back_ends faults writing_drivers safety motors scene view plan plot chart recipes urdf",
-    "From languages": "ffi python batch physics exports bulk javascript page",
+    "From languages": "ffi python batch physics exports bulk csharp java javascript page",
     "Background": "design glossary format wire platforms stability performance measurements contributing changelog",
 }
 
@@ -57,8 +57,8 @@ def headers(abi, out):
             write(out / f"api/{name.removesuffix('.h')}.rst", f"{title('dynpoint/' + name)}\n{text}")
         entries = "".join(f"   {name.removesuffix('.h')}\n" for name in names)
         listed.append(f"{title(library['name'], '-')}\n.. toctree::\n   :maxdepth: 1\n\n{entries}\n")
-    write(out / "api/index.rst", title("The C API") + "\nOf each library the headers, as they are. ``dynpoint.h`` has those "
-          "of the core together.\n\n" + "".join(listed))
+    what = "Of each library the headers, as they are. ``dynpoint.h`` has those of the core together."
+    write(out / "api/index.rst", f"{title('The C API')}\n{what}\n\n" + "".join(listed))
 
 
 def python(out):
