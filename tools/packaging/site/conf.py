@@ -52,6 +52,9 @@ def sources(app, tree):
             anchor = node.get("reftargetid")
             node.replace_self(link(app, "index", node[0], f"#{anchor}" if anchor else ""))
             continue
+        if node.get("refdomain") == "doc" and str(TREE) in node["reftarget"]:  # a README beside sources
+            node.replace_self(node.children[0])
+            continue
         if node.get("refdomain") or node.get("reftype") != "myst":
             continue
         target = (Path(app.env.doc2path(app.env.docname)).parent / node["reftarget"]).resolve()

@@ -19,7 +19,7 @@ PYTHON = {
 PAGES = {
     "Begin": "install tutorial commands concepts output faq comparison",
     "Use": "host drivers back_ends faults writing_drivers safety motors scene view plan plot chart recipes urdf",
-    "From languages": "ffi python batch physics exports bulk csharp java javascript page",
+    "From languages": "ffi python batch physics exports bulk csharp go java javascript page rust",
     "Background": "design glossary format wire platforms stability performance measurements contributing changelog",
 }
 
