@@ -212,12 +212,15 @@ static dpt_result open_bodies(struct scene *scene, const struct scene_def *def, 
         scene->bodies.gravity = def->gravity;
         return DPT_OK;
     }
-    if (listed && !def->scene_bytes.bytes)
+    if (listed && !def->scene_bytes.bytes) {
+        scene->camera = listed->camera;
+        scene->inset = listed->inset;
         return scene_bodies_of_list(&scene->bodies, listed, &scene->file, error);
+    }
     if (def->file) {
         scene->file = def->file->identity;
-        scene->has_camera = def->file->has_camera;
-        memcpy(scene->camera, def->file->camera, sizeof scene->camera);
+        scene->camera = def->file->camera;
+        scene->inset = def->file->inset;
         return scene_bodies_of_file(&scene->bodies, path, def->file, &scene->file, error);
     }
     scene->bytes = load_bytes(path, &def->scene_bytes, &size, error);
@@ -261,6 +264,20 @@ static dpt_result place_device(struct scene *scene, const struct scene_def *def,
     return DPT_OK;
 }
 
+/* Where the tool enters, if the scene has a port and the tool is its own stylus. */
+static dpt_result place_port(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
+{
+    const struct listed_scene *listed = def->scene_bytes.bytes || def->body_count ? NULL : scene_listed(def->path);
+    const double *port = def->file && def->file->has_port ? def->file->port
+                         : listed && listed->has_port     ? listed->port
+                                                          : NULL;
+    if (!port || scene->tool_arm || def->segment_count || !(def->length > 0.0))
+        return DPT_OK;
+    return scene_port_set(&scene->port, port, scene->origin, def->length)
+               ? DPT_OK
+               : host_refuse(error, DPT_E_ARGUMENT, "%s: tool.port is where the device's origin is", def->path);
+}
+
 dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
     static const double identity[4] = { 1.0, 0.0, 0.0, 0.0 };
@@ -291,6 +308,7 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
     scene->piercing = def->piercing;
     DPT_TRY(make_tips(scene, def, error));
     DPT_TRY(place_device(scene, def, error));
+    DPT_TRY(place_port(scene, def, error));
     scene->look = look_of(scene, def);
     scene->segment_count = load_segments(scene, def, scene->segments, error);
     return scene->segment_count ? DPT_OK : error->code;
@@ -347,6 +365,8 @@ static dpt_result find_pose(const struct scene *scene, const dpt_device_state *s
     scene_of_device(scene, state->pose.position, pose->position);
     quaternion_multiply(axes, state->pose.orientation, pose->orientation);
     quaternion_multiply(scene->turned, pose->orientation, pose->orientation);
+    if (scene->port.is_given)
+        scene_port_aim(&scene->port, pose->position, pose->orientation);
     return DPT_OK;
 }
 
@@ -456,6 +476,8 @@ dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wr
     report->size = sizeof *report;
     scene_get_force_info(scene, report);
     *wrench = report->wrench;
+    if (scene->port.is_given)
+        scene_port_carry(&scene->port, pose.position, wrench);
     to_hand(scene, axes, wrench);
     const double share = scene->force_scale / scene->zoom;
     scene_passivity_step(&scene->passivity, sample, share * report->energy, share * report->body_work, wrench);

@@ -11,6 +11,7 @@
 #include "scene/scene_bodies.h"
 #include "scene/scene_def.h"
 #include "scene/scene_passivity.h"
+#include "scene/scene_port.h"
 #include "scene/scene_stage.h"
 #include "scene/scene_tips.h"
 #include "scene/tip_shape.h"
@@ -47,13 +48,13 @@ struct scene {
     double turned[4];          /* of the tool from the device, in the scene, by the clutch */
     int clutch;                /* button, or -1 */
     int is_clutched, has_pose; /* the clutch is down; the tool was moved */
+    struct scene_port port;    /* through which the tool enters; it leads the tool in place of the hand's turn */
     uint64_t ticks;            /* calls of scene_feel */
     dpt_pose pose;             /* of the tool, moved last */
     dpt_force_info force_info; /* of the last tick that had a force, in the scene's frame */
     struct scene_passivity passivity;
     dpt_device_info device;
-    int has_camera;
-    double camera[9]; /* as in scene_file */
+    struct scene_camera camera, inset;
     enum tool_look look;
     void *bytes, *tool_bytes;
 };

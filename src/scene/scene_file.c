@@ -94,11 +94,21 @@ static void read_piercing(struct scene_file *file, struct json_reader *reader, c
         json_refuse(reader, &at, "is for a stylus or one segment, without tips");
 }
 
+/* What is led through a port is a stylus. */
+static void read_port(struct scene_file *file, struct json_reader *reader, const struct json_value *tool)
+{
+    const struct json_value at = json_member(tool, "port");
+    file->has_port = at.value != NULL;
+    json_take_numbers(reader, tool, "port", 3, DPT_COORDINATE_MAX, file->port);
+    if (file->has_port && (file->arm || file->segment_count || file->piercing || file->length == 0.0))
+        json_refuse(reader, &at, "is for a stylus that has a length");
+}
+
 static void read_tool(struct scene_file *file, struct json_reader *reader, const struct json_value *at,
                       const char *path)
 {
-    static const char *const keys[] = { "length", "radius", "segments", "arm",      "jaw",
-                                        "tips",   "law",    "look",     "piercing", NULL };
+    static const char *const keys[] = { "length", "radius", "segments", "arm",  "jaw", "tips",
+                                        "law",    "look",   "piercing", "port", NULL };
     if (!json_check_object(reader, at, keys))
         return;
     const struct json_value segments = json_member(at, "segments"), arm = json_member(at, "arm"),
@@ -117,6 +127,7 @@ static void read_tool(struct scene_file *file, struct json_reader *reader, const
         read_jaw(&file->jaw, reader, at);
     file->law = json_take_word(reader, at, "law", law_names, -1);
     read_piercing(file, reader, at);
+    read_port(file, reader, at);
     file->look = json_take_word(reader, at, "look", tool_look_words, -1);
 }
 
@@ -137,9 +148,11 @@ static void read_device(struct scene_file *file, struct json_reader *reader, con
     file->clutch = json_member(at, "clutch").value ? (int)clutch : -1;
 }
 
-static void read_view(struct scene_file *file, struct json_reader *reader, const struct json_value *at)
+/* The keys of a place to look from end with what else the object may have. */
+static void read_camera(struct scene_camera *camera, struct json_reader *reader, const struct json_value *at,
+                        const char *more)
 {
-    static const char *const keys[] = { "position", "target", "up", NULL };
+    const char *const keys[] = { "position", "target", "up", more, NULL };
     double position[3] = { 0.0 }, target[3] = { 0.0 }, up[3] = { 0.0, 1.0, 0.0 }, ahead[3];
     double cross = 0.0, squares = 1.0;
     if (!json_check_object(reader, at, keys))
@@ -161,11 +174,19 @@ static void read_view(struct scene_file *file, struct json_reader *reader, const
     if (!(cross > 1e-12 * squares))
         json_refuse(reader, at, "looks nowhere, or up and ahead are one line");
     for (int k = 0; k < 3; k++) {
-        file->camera[k] = position[k];
-        file->camera[3 + k] = target[k];
-        file->camera[6 + k] = up[k];
+        camera->place[k] = position[k];
+        camera->place[3 + k] = target[k];
+        camera->place[6 + k] = up[k];
     }
-    file->has_camera = 1;
+    camera->is_given = 1;
+}
+
+static void read_view(struct scene_file *file, struct json_reader *reader, const struct json_value *at)
+{
+    const struct json_value inset = json_member(at, "inset");
+    read_camera(&file->camera, reader, at, "inset");
+    if (inset.value)
+        read_camera(&file->inset, reader, &inset, NULL);
 }
 
 /* So many triangles are made, as far as shapes have a usual number. */

@@ -43,11 +43,12 @@ struct scene_file {
     double length, radius;
     int law, look;     /* look: enum tool_look */
     uint32_t piercing; /* DPT_PIERCING_..., of a stylus or of one segment */
-    char *device;      /* as of --device */
+    int has_port;
+    double port[3]; /* m: where a stylus enters */
+    char *device;   /* as of --device */
     double zoom, force_scale, origin[3];
     int has_origin, clutch;
-    int has_camera;
-    double camera[9]; /* position and target, m, and what is up in the picture */
+    struct scene_camera camera, inset;
 };
 
 /* Read a file. The error names the file, the line or the place, and the reason. Free it also after a failure. */

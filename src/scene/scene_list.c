@@ -24,6 +24,15 @@
         }                                                                                                              \
     }
 
+/* The belly's wall, inclined by 45 degrees, so that its hole is the port of the scene laparoscopy. */
+#define OVER_THE_PORT                                                                                                  \
+    {                                                                                                                  \
+        { 0.0038, 0.0523959, -0.0009041 },                                                                             \
+        {                                                                                                              \
+            0.92387953251128674, -0.38268343236508977, 0.0, 0.0                                                        \
+        }                                                                                                              \
+    }
+
 #define STYLUS .length = 0.1, .radius = 0.002
 
 #define FIXED_BOX(...)                                                                                                 \
@@ -103,6 +112,10 @@ static const struct listed_scene scenes[] = {
       .look = TOOL_LOOK_FORCEPS,
       .origin = { 0.0038, 0.0545, 0.0012 },
       .has_origin = 1,
+      .port = { 0.0038, 0.1125, 0.0592 },
+      .has_port = 1,
+      .camera = { 1, { -0.155, 0.15, -0.045, 0.0038, 0.074, 0.018, 0.0, 1.0, 0.0 } },
+      .inset = { 1, { -0.22, 0.22, 0.44, 0.045, 0.055, 0.035, 0.0, 1.0, 0.0 } },
       .bodies = { { .shape = "liver",
                     .triangles = 2692,
                     .pose = LYING(0.0),
@@ -111,7 +124,7 @@ static const struct listed_scene scenes[] = {
                     LIVER_RED },
                   { .shape = "stomach", .triangles = 1619, .pose = LYING(0.0), COLOUR(0.85, 0.6, 0.5) },
                   { .shape = "spleen", .triangles = 1076, .pose = LYING(0.0), COLOUR(0.45, 0.1, 0.2) },
-                  { .shape = "wall", .triangles = 1024, .pose = LYING(0.0), COLOUR(0.85, 0.65, 0.55) } } },
+                  { .shape = "wall", .triangles = 1024, .pose = OVER_THE_PORT, COLOUR(0.85, 0.65, 0.55) } } },
     { .name = "liver", STYLUS, .bodies = { { .shape = "liver", .triangles = 50332, .pose = UPRIGHT, LIVER_RED } } },
     { .name = "soft-liver",
       STYLUS,

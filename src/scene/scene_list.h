@@ -26,6 +26,12 @@ enum tool_look {
     TOOL_LOOK_LAPAROSCOPE
 };
 
+/* Where one looks from. */
+struct scene_camera {
+    int is_given;
+    double place[9]; /* position and target, m, and what is up in the picture */
+};
+
 struct listed_body {
     const char *shape; /* NULL: the list of bodies ends here */
     uint64_t triangles;
@@ -56,7 +62,10 @@ struct listed_scene {
     int has_origin;
     double length, radius; /* of the stylus, where the user gives none */
     uint32_t is_needle;    /* 1: it stands upright, and its end a pierces, where the user gives no other tool */
-    enum tool_look look;   /* TOOL_LOOK_NONE: the stylus's */
+    int has_port;
+    double port[3];      /* m: where the stylus enters (scene_port.h) */
+    enum tool_look look; /* TOOL_LOOK_NONE: the stylus's */
+    struct scene_camera camera, inset;
     struct listed_body bodies[LISTED_BODIES_MAX + 1];
 };
 

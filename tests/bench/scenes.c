@@ -58,6 +58,14 @@ struct bench {
     uint32_t vertices;
 };
 
+/* The paper's wall lies over the organs, with its hole over the liver; that of the scene is inclined round its port. */
+static dpt_pose pose_of(const struct listed_body *listed)
+{
+    return strcmp(listed->shape, "wall")
+               ? listed->pose
+               : (dpt_pose){ { 0.0, 0.0, 0.0 }, { 0.70710678118654752, -0.70710678118654752, 0.0, 0.0 } };
+}
+
 static void fail(const char *what)
 {
     fprintf(stderr, "scenes: %s\n", what);
@@ -115,8 +123,9 @@ static void make_body(struct bench *bench, const struct listed_body *listed)
         fail("only the first body may be soft");
     body->placed = body->mesh;
     if (!body->info.springs) {
+        const dpt_pose pose = pose_of(listed);
         for (size_t i = 0; i < shape.vertex_count; i++)
-            to_world(&listed->pose, shape.vertices + 3 * i);
+            to_world(&pose, shape.vertices + 3 * i);
         def.springs = NULL;
         compile(&shape, &def, &body->placed_compiled, &body->placed);
     }
@@ -177,10 +186,12 @@ static void open_stage(const struct bench *bench, struct stage *stage, int track
     world.until = tracks ? DPT_UNTIL_TRACK : DPT_UNTIL_RESPOND;
     stage->block = array(dpt_world_bytes(&world));
     dpt_result result = dpt_world_create(stage->block, dpt_world_bytes(&world), &world, &stage->world);
-    for (int i = 0; i < bench->bodies && result == DPT_OK; i++)
+    for (int i = 0; i < bench->bodies && result == DPT_OK; i++) {
+        const dpt_pose pose = pose_of(&scene->bodies[i]);
         result = bench->body[i].info.springs
                      ? add_soft(bench, stage, i)
-                     : dpt_body_add(stage->world, bench->body[i].mesh, &scene->bodies[i].pose, &stage->soft[i].id);
+                     : dpt_body_add(stage->world, bench->body[i].mesh, &pose, &stage->soft[i].id);
+    }
     if (result == DPT_OK)
         result = dpt_tool_add(stage->world, &stylus, 1, &stage->tool);
     if (result != DPT_OK)

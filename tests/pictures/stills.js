@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node stills.js PROGRAM ROOM OUT: the pictures of the viewer in README and docs, by a headless Chromium.
+// node stills.js PROGRAM ROOM OUT [NAME...]: the viewer's pictures in README and docs, by a headless Chromium: all, or those
+// that are named.
 "use strict";
 const fs = require("fs");
 const path = require("path");
 const { launch } = require("../view/chromium.js");
 const { runner, record, visitPage, seek, look, rest } = require("./viewer_page.js");
-const [program, room, out] = process.argv.slice(2);
+const [program, room, out, ...names] = process.argv.slice(2);
 const run = runner(program, room);
 
 const sights = [
@@ -13,8 +14,6 @@ const sights = [
     name: "laparoscopy",
     make: () => record(run, "laparoscopy", "sim:?hand=press", 4),
     time: 1.9,
-    turn: [-0.5, -0.1],
-    zoom: 0.9,
   },
   {
     name: "soft-liver",
@@ -52,7 +51,7 @@ async function picture(browser, sight) {
   fs.mkdirSync(out, { recursive: true });
   const browser = launch(room);
   try {
-    for (const sight of sights) await picture(browser, sight);
+    for (const sight of sights) if (names.length === 0 || names.includes(sight.name)) await picture(browser, sight);
   } finally {
     await browser.close();
   }

@@ -183,6 +183,15 @@ in_surface '.shaft_viscosity: must be 0 to 1e+06' '"shaft_viscosity": -1'
 in_surface '.shaft_stiffness: must be 0 to 1e+12' '"shaft_stiffness": -1'
 
 # --- Needles.
+in_scene 'tool.port: is for a stylus that has a length' '"tool": { "port": [0, 0.2, 0], "length": 0 }'
+in_scene 'tool.port: is for a stylus that has a length' \
+    '"tool": { "port": [0, 0.2, 0], "segments": [ { "a": [0,0,0], "b": [0,0.1,0], "radius": 0.001 } ] }'
+in_scene 'tool.port[1]: must be' '"tool": { "port": [0, 1e9, 0] }'
+in_scene "tool.port is where the device's origin is" '"tool": { "port": [0, 0.2, 0] }, "device": { "origin": [0, 0.2, 0] }'
+in_scene "view.inset: there is no key 'inset'" \
+    '"view": { "position": [1,0,0], "target": [0,0,0], "inset": { "position": [1,0,0], "target": [0,0,0], "inset": {} } }'
+in_scene 'view.inset: needs a position and a target' \
+    '"view": { "position": [1,0,0], "target": [0,0,0], "inset": { "position": [1,0,0] } }'
 in_scene "tool.piercing: 'tip' is none of: none, a, b" '"tool": { "piercing": "tip" }'
 in_scene 'tool.piercing: is for a stylus or one segment, without tips' \
     '"tool": { "piercing": "a", "segments": [ { "a": [0,0,0], "b": [0,0.1,0], "radius": 0.001 },

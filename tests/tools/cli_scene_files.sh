@@ -87,6 +87,30 @@ felt tori_file tori.json --device "$hand"
 is_touched tori_file
 is_same tori_file tori_name
 
+# --- A port: the stylus leads through it, and what its shaft meets is felt by the lever about it. The box's edge is at
+# z = -0.04 m, the tip 0.04 m behind it, and the port 0.2 m before the tip.
+scene ported <<'END'
+{ "bodies": [ { "shape": "box" } ], "tool": { "port": [0, 0.06, 0.12] }, "device": { "origin": [0, 0.06, -0.08] } }
+END
+succeeds 'a port' run ported.json --device "$hand" --ticks 2000 --record ported-trace.csv
+awk -F, 'NR > 1 { dy = 0.06 - $3; dz = 0.12 - $4; off = ($6 - $3) * dz - ($7 - $4) * dy; if (off * off > 1e-28) wrong++ }
+    END { exit wrong || NR != 2001 }' ported-trace.csv
+verdict $? 'the axis leads through the port in all ticks'
+ticks=2000
+felt ported ported.json --device "$hand"
+is_touched ported
+share=$(awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+    NR > 1 { all = sqrt(2 * stiffness * $at["energy"]); felt = sqrt($at["asked_fy"] ^ 2 + $at["asked_fz"] ^ 2) }
+    END { print felt / all }' stiffness="$(sed 's/.*"stiffness":\([0-9.]*\).*/\1/' ported.says)" ported.csv)
+awk "BEGIN { exit !($share > 0.79 && $share < 0.81) }"
+verdict $? "the edge is felt by the lever, 1 - 0.04 / 0.2: $share"
+succeeds 'ported: replay' replay ported.dpr
+check "ported: other bits: $(cat stdout)" grep -q ': 2000 ticks, all the same bits$' stdout
+sed 's/"port": [^]]*\]//' ported.json >unported.json
+felt unported unported.json --device "$hand"
+ticks=800
+differs ported unported
+
 # --- What each setting does: the scene is another one with it, and with its default the same.
 felt plain membrane.json --device "$hand" --at "$within"
 soft()

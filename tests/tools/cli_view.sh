@@ -112,7 +112,7 @@ def read_scene(message):
     scene = json.loads(message[8 : 8 + size].decode("utf-8"), parse_constant=lambda word: 1 / 0)
     begin = (8 + size + 7) // 8 * 8
     assert not any(message[8 + size : begin])
-    assert set(scene) == set("title program mode control device up frame_rate force_max camera look meshes bodies".split())
+    assert set(scene) == set("title program mode control device up frame_rate force_max camera inset look meshes bodies".split())
     end = begin
     for mesh in scene["meshes"]:
         n, m = mesh["vertices"], mesh["triangles"]
@@ -128,6 +128,7 @@ def read_scene(message):
         assert body["mesh"] < len(scene["meshes"]) and len(body["pose"]) == 7
         assert body["look"] in ("organ", "cloth", "bone")
         assert body["colour"] is None or len(body["colour"]) == 3 and all(0 <= part <= 1 for part in body["colour"])
+    assert scene["inset"] is None or len(scene["inset"]) == 9 and all(map(math.isfinite, scene["inset"]))
     assert scene["camera"] is None or len(scene["camera"]) == 9 and all(map(math.isfinite, scene["camera"]))
     assert scene["look"] in ("none", "stylus", "needle", "scalpel", "forceps", "laparoscope")
     assert scene["up"] in "yz" and scene["frame_rate"] == 60 and scene["control"] is False

@@ -41,6 +41,7 @@ fi
 count "the picture" node tests/view/page_picture.js "$view/page.html" "$room"
 count "its light" node tests/view/page_light.js "$view/page.html" "$room"
 count "its instruments" node tests/view/page_instruments.js "$view/page.html" "$room"
+count "its second view" node tests/view/page_inset.js "$view/page.html" "$room"
 count "its colours" node tests/view/page_colours.js "$view/page.html" "$room"
 count "a recording" node tests/view/page_recording.js "$view/page.html" "$room"
 count "a running world" node tests/view/page_live.js "$view" "$room"

@@ -152,7 +152,7 @@ async function veil(browser) {
   await view(page, "5");
   const { proxy } = fixture.placesAt(150);
   const tool = await pixel(page, top(on(proxy, 0.12)));
-  await page.ask("viewer.own.view.veilSheets = () => {}, surfaceLight.setVeil(viewer.own.view.bodies.get(13).object, false), 0");
+  await page.ask("viewer.own.view.veilSheets = () => {}, viewer.own.view.veiled.main.clear(), 0");
   const hidden = await pixel(page, top(on(proxy, 0.12)));
   await check("a sheet between the eye and the tool is seen through", () => {
     assert(hidden[2] > 3 * hidden[0], `the sheet hides it without: ${hidden}`);

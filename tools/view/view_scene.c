@@ -251,6 +251,8 @@ void *view_scene_message(const struct view_scene *scene, size_t *size)
         append(&text, "null");
     append(&text, ",\"camera\":");
     append_list(&text, scene->camera, 9);
+    append(&text, ",\"inset\":");
+    append_list(&text, scene->inset, 9);
     append(&text, ",\"look\":");
     append_string(&text, tool_look_words[scene->look]);
     append_device(&text, scene);
@@ -309,7 +311,8 @@ void *scene_picture_message(const struct scene *scene, const struct scene_pictur
                                .rate = picture->rate,
                                .has_control = picture->has_control,
                                .up = scene->arm ? "z" : "y",
-                               .camera = scene->has_camera ? scene->camera : NULL,
+                               .camera = scene->camera.is_given ? scene->camera.place : NULL,
+                               .inset = scene->inset.is_given ? scene->inset.place : NULL,
                                .force_max = picture->force_max,
                                .look = scene->look,
                                .bodies = list,

@@ -27,6 +27,7 @@ struct view_scene {
     int has_control;      /* the simulated hand may be steered */
     const char *up;       /* "y" or "z" */
     const double *camera; /* position, target, up: nine numbers; NULL: the page's */
+    const double *inset;  /* of a second, small view: likewise; NULL: none */
     double force_max;     /* N; 0: not known */
     enum tool_look look;
     const struct view_scene_body *bodies;

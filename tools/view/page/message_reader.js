@@ -97,6 +97,8 @@ const messageReader = (() => {
     );
     const camera = json.camera ?? null;
     demand(camera === null || areNumbers(camera, 9), "The scene's camera is not nine numbers.");
+    const inset = json.inset ?? null;
+    demand(inset === null || areNumbers(inset, 9), "The scene's inset is not nine numbers.");
     const look = json.look ?? null;
     demand(look === null || TOOL_LOOKS.includes(look), "The tool's look is not known.");
     const meshes = json.meshes.map((mesh, i) => readMesh(mesh, blob, i));
@@ -128,6 +130,7 @@ const messageReader = (() => {
       up: json.up === "y" ? "y" : "z",
       forceMax,
       camera,
+      inset,
       look,
       meshes,
       bodies,

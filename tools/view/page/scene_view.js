@@ -60,8 +60,8 @@ const sceneView = (() => {
   }
 
   class SceneView {
-    // edges: () => { top, bottom }: pixels that legend and buttons have
-    constructor(canvas, renderer, scene, edges) {
+    // edges: () => { top, bottom }: pixels that legend and buttons have; frame: of a second view
+    constructor(canvas, renderer, scene, edges, frame) {
       this.canvas = canvas;
       this.edges = edges;
       this.renderer = renderer;
@@ -69,6 +69,8 @@ const sceneView = (() => {
       this.camera = new camera.Camera(() => {
         this.dirty = true;
       });
+      this.inset = new inset.Inset(frame);
+      this.veiled = { main: new Set(), inset: new Set() }; // bodies that each view sees through
       this.eye = new THREE.Vector3(); // where it was when it last moved
       this.sun = new THREE.DirectionalLight(0xffffff, 2.1);
       this.three.add(new THREE.HemisphereLight(0xffffff, 0x8c92a4, 1.6), this.sun, this.sun.target);
@@ -146,6 +148,7 @@ const sceneView = (() => {
       Object.assign(this.scales, { control: scene.control, look: scene.look });
       this.camera.up = scene.up;
       this.readColours();
+      this.inset.set(scene.inset, scene.up, this.bounds().radius);
       this.show(null, new Map());
       if (!again) this.setCamera();
     }
@@ -326,18 +329,22 @@ const sceneView = (() => {
       this.light.movedScale.value = this.scales.moved;
     }
 
-    // A sheet that lies between the eye and a tool that does not touch it is seen through.
+    // A sheet that hides most of a tool that does not touch it is seen through.
     veilSheets() {
       this.isVeilDue = false;
-      const eye = this.camera.object.position.toArray();
       const segments = this.snapshot?.segments ?? [];
       const places = segments.flatMap(({ proxyA, proxyB }) => [0, 0.5, 1].map(s => rays.along(proxyA, proxyB, s)));
       const touched = new Set(this.snapshot?.contacts.map(({ body }) => body));
-      for (const [id, view] of this.bodies) {
-        if (!view.isSheet) continue;
-        const hides = place => rays.isPlace(place) && view.pick(eye, rays.sub(place, eye))?.t < 1;
-        if (surfaceLight.setVeil(view.object, !touched.has(id) && places.some(hides))) this.dirty = true;
-      }
+      const sheets = [...this.bodies].filter(([id, view]) => view.isSheet && !touched.has(id));
+      const hiding = ({ object }) => {
+        const eye = object.position.toArray();
+        const hides = view => place => rays.isPlace(place) && view.pick(eye, rays.sub(place, eye))?.t < 1;
+        const hidden = ([, view]) => places.filter(hides(view)).length;
+        return new Set(sheets.filter(sheet => 2 * hidden(sheet) > places.length).map(([id]) => id));
+      };
+      const before = this.veiled.main;
+      this.veiled = { main: hiding(this.camera), inset: this.inset.isThere ? hiding(this.inset.camera) : new Set() };
+      if (before.size !== this.veiled.main.size || [...before].some(id => !this.veiled.main.has(id))) this.dirty = true;
     }
 
     // Looks on at what shades the bodies, for some ms; the shade is drawn when it is whole. True if it became so.
@@ -365,19 +372,30 @@ const sceneView = (() => {
       this.watchEye(always);
       if (!(this.dirty || always) || !this.width) return false;
       this.dirty = false;
-      this.tools.draw(this.snapshot, this.colours, this.camera, this.scales);
-      const { right, above, back } = this.camera.axes();
+      this.render(this.camera, this.veiled.main);
+      const { arrows } = this.tools;
+      this.inset.draw(this.renderer, this.canvas, () => this.render(this.inset.camera, this.veiled.inset));
+      this.tools.arrows = arrows; // labels stand in the large view
+      return true;
+    }
+
+    // As a camera sees it; veiled: numbers of the bodies that are seen through.
+    render(camera, veiled) {
+      this.tools.draw(this.snapshot, this.colours, camera, this.scales);
+      const { right, above, back } = camera.axes();
       const { radius } = this.scales;
-      const { target } = this.camera.state;
+      const { target } = camera.state;
       this.sun.target.position.set(...target);
       const sun = back.map((value, k) => 1.1 * value + 1.2 * above[k] - 0.7 * right[k]);
       this.sun.position.set(...target.map((value, k) => value + radius * sun[k]));
-      surfaceLight.setLight(this.light, sun, this.camera.turned([0, 0, 1]), back, this.tools.rods);
+      surfaceLight.setLight(this.light, sun, camera.turned([0, 0, 1]), back, this.tools.rods);
       surfaceLight.setPatches(this.light, this.showsDeformation ? [] : this.patches()); // one meaning of a colour
       this.showDeformation();
-      for (const { object } of this.bodies.values()) surfaceLight.fitTo(this.light, object.material);
-      this.renderer.render(this.three, this.camera.object);
-      return true;
+      for (const [id, { object }] of this.bodies) {
+        surfaceLight.setVeil(object, veiled.has(id));
+        surfaceLight.fitTo(this.light, object.material);
+      }
+      this.renderer.render(this.three, camera.object);
     }
 
     // Whether a sheet hides the tool is asked when the eye has come to rest; of a frame it has been asked.

@@ -282,15 +282,14 @@ const surfaceLight = (() => {
     material.needsUpdate = true;
   }
 
-  // Whether what is behind a body is seen through it. True if that is new.
+  // Whether what is behind a body is seen through it.
   function setVeil(object, on) {
     const { material } = object;
-    if (material.transparent === on) return false;
+    if (material.transparent === on) return;
     material.transparent = on;
     material.depthWrite = !on;
     material.uniforms.opacity.value = on ? VEIL : 1;
     object.renderOrder = on ? VEIL_ORDER : 0;
-    return true;
   }
 
   // Another number of rods needs another program, and so do rods that have become thin for the mesh.

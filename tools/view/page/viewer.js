@@ -121,7 +121,7 @@ const viewer = (() => {
   function showScene(scene) {
     if (own.view) return own.view.setScene(scene);
     const renderer = sceneView.rendererOf(picture, scene);
-    if (renderer) own.view = new sceneView.SceneView(picture, renderer, scene, edgesOfPicture);
+    if (renderer) own.view = new sceneView.SceneView(picture, renderer, scene, edgesOfPicture, element("inset"));
     for (const id of ["views", "legend", "save", "picture"]) element(id).hidden = !renderer;
     element("blind").hidden = renderer !== null;
     if (!renderer) say(element("blind").textContent);
