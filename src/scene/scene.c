@@ -201,6 +201,18 @@ static enum tool_look look_of(const struct scene *scene, const struct scene_def 
     return listed && listed->look ? listed->look : TOOL_LOOK_STYLUS;
 }
 
+static dpt_result put_look(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
+{
+    const struct scene_file *file = def->file;
+    scene->look = look_of(scene, def);
+    if (file && file->dress_count) {
+        scene->look = TOOL_LOOK_NONE;
+        DPT_TRY(scene_dress_open(&scene->dress, def->path, file->dress, file->dress_count, error));
+    }
+    scene->tips.has_seen_jaws = scene->look == TOOL_LOOK_FORCEPS || scene_dress_has_jaws(&scene->dress);
+    return DPT_OK;
+}
+
 /* The bodies, of a name or of a file. */
 static dpt_result open_bodies(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
@@ -306,10 +318,10 @@ dpt_result scene_open(struct scene *scene, const struct scene_def *def, dpt_host
     DPT_TRY(check_law(scene, def, error));
     DPT_TRY(check_needle(scene, def, error));
     scene->piercing = def->piercing;
+    DPT_TRY(put_look(scene, def, error));
     DPT_TRY(make_tips(scene, def, error));
     DPT_TRY(place_device(scene, def, error));
     DPT_TRY(place_port(scene, def, error));
-    scene->look = look_of(scene, def);
     scene->segment_count = load_segments(scene, def, scene->segments, error);
     return scene->segment_count ? DPT_OK : error->code;
 }
@@ -319,6 +331,7 @@ void scene_close(struct scene *scene)
     scene_stage_close(&scene->stage);
     scene_bodies_close(&scene->bodies);
     scene_tips_close(&scene->tips);
+    scene_dress_close(&scene->dress);
     free(scene->bytes);
     free(scene->tool_bytes);
 }

@@ -10,6 +10,7 @@
 #include "dynpoint/loop.h"
 #include "scene/scene_bodies.h"
 #include "scene/scene_def.h"
+#include "scene/scene_dress.h"
 #include "scene/scene_passivity.h"
 #include "scene/scene_port.h"
 #include "scene/scene_stage.h"
@@ -56,6 +57,7 @@ struct scene {
     dpt_device_info device;
     struct scene_camera camera, inset;
     enum tool_look look;
+    struct scene_dress dress; /* in its place */
     void *bytes, *tool_bytes;
 };
 

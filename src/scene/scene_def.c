@@ -143,5 +143,7 @@ int scene_def_has_file(const struct scene_def *def, const char *path)
     int has = host_file_is_same(def->path, path) || host_file_is_same(def->tool, path);
     for (uint32_t i = 0; def->file && i < def->file->body_count; i++)
         has |= host_file_is_same(def->file->bodies[i].mesh, path);
+    for (uint32_t i = 0; def->file && i < def->file->dress_count; i++)
+        has |= host_file_is_same(def->file->dress[i].mesh, path);
     return has;
 }

@@ -60,16 +60,68 @@ static void read_segments(struct scene_file *file, struct json_reader *reader, c
     file->segment_count = (uint32_t)count;
 }
 
+static void read_dress_part(struct dress_part *part, struct json_reader *reader, const struct json_value *at,
+                            const char *path)
+{
+    static const char *const keys[] = { "mesh", "scale", "position", "orientation", "hinge",
+                                        "axis", "open",  "colour",   NULL };
+    const struct json_value axis = json_member(at, "axis"), colour = json_member(at, "colour");
+    *part = (struct dress_part){ .scale = 1.0, .pose = DPT_POSE_IDENTITY, .axis = { 1.0, 0.0, 0.0 }, .open = 0.5 };
+    if (!json_check_object(reader, at, keys))
+        return;
+    part->mesh = scene_file_take_path(reader, at, "mesh", path);
+    if (!part->mesh)
+        json_refuse(reader, at, "needs a mesh");
+    json_take_above(reader, at, "scale", 1e6, &part->scale);
+    scene_file_read_pose(&part->pose, reader, at, "position", 10.0);
+    part->has_hinge = json_member(at, "hinge").value != NULL;
+    json_take_numbers(reader, at, "hinge", 3, 10.0, part->hinge);
+    json_take_numbers(reader, at, "axis", 3, 1.0, part->axis);
+    json_take_number(reader, at, "open", -3.2, 3.2, &part->open);
+    if (!part->has_hinge && (axis.value || json_member(at, "open").value))
+        json_refuse(reader, at, "axis and open are for a part with a hinge");
+    if (!(part->axis[0] * part->axis[0] + part->axis[1] * part->axis[1] + part->axis[2] * part->axis[2] > 1e-6))
+        json_refuse(reader, &axis, "is no direction");
+    part->has_colour = colour.value != NULL;
+    json_take_numbers(reader, at, "colour", 3, 1.0, part->colour);
+    for (int k = 0; k < 3; k++)
+        if (part->colour[k] < 0.0)
+            json_refuse(reader, &colour, "has a number below 0");
+}
+
+static void read_dress(struct scene_file *file, struct json_reader *reader, const struct json_value *list,
+                       const char *path)
+{
+    const size_t count = json_check_list(reader, list, 1, DRESS_PARTS_MAX);
+    if (file->look >= 0)
+        json_refuse(reader, list, "is in place of a look");
+    for (size_t i = 0; i < count && !json_has_failed(reader); i++) {
+        const struct json_value at = json_item(list, i);
+        file->dress_count = (uint32_t)i + 1;
+        read_dress_part(&file->dress[i], reader, &at, path);
+    }
+}
+
+static int has_seen_jaws(const struct scene_file *file)
+{
+    int has = file->look == TOOL_LOOK_FORCEPS;
+    for (uint32_t i = 0; i < file->dress_count; i++)
+        has |= file->dress[i].has_hinge;
+    return has;
+}
+
 /* Without a time it stands at `to`. */
-static void read_jaw(struct jaw_motion *jaw, struct json_reader *reader, const struct json_value *tool)
+static void read_jaw(const struct scene_file *file, struct jaw_motion *jaw, struct json_reader *reader,
+                     const struct json_value *tool)
 {
     static const char *const keys[] = { "from", "to", "seconds", "button", NULL };
     uint64_t button = 0;
     const struct json_value at = json_member(tool, "jaw");
     if (!json_check_object(reader, &at, keys))
         return;
-    if (!json_member(tool, "arm").value)
-        json_refuse(reader, &at, "is for the tool of an arm");
+    if (!json_member(tool, "arm").value && !has_seen_jaws(file))
+        json_refuse(reader, &at,
+                    "is for the tool of an arm, and one that looks like forceps or has a dress with a hinge");
     if (!json_member(&at, "to").value)
         json_refuse(reader, &at, "needs to");
     *jaw = (struct jaw_motion){ .is_given = 1, .button = -1.0 };
@@ -107,8 +159,8 @@ static void read_port(struct scene_file *file, struct json_reader *reader, const
 static void read_tool(struct scene_file *file, struct json_reader *reader, const struct json_value *at,
                       const char *path)
 {
-    static const char *const keys[] = { "length", "radius", "segments", "arm",  "jaw", "tips",
-                                        "law",    "look",   "piercing", "port", NULL };
+    static const char *const keys[] = { "length", "radius", "segments", "arm",  "jaw",   "tips",
+                                        "law",    "look",   "piercing", "port", "dress", NULL };
     if (!json_check_object(reader, at, keys))
         return;
     const struct json_value segments = json_member(at, "segments"), arm = json_member(at, "arm"),
@@ -123,12 +175,15 @@ static void read_tool(struct scene_file *file, struct json_reader *reader, const
     file->arm = scene_file_take_path(reader, at, "arm", path);
     if (tips.value)
         scene_file_read_tips(&file->tips, reader, &tips);
+    file->look = json_take_word(reader, at, "look", tool_look_words, -1);
+    const struct json_value dress = json_member(at, "dress");
+    if (dress.value)
+        read_dress(file, reader, &dress, path);
     if (json_member(at, "jaw").value)
-        read_jaw(&file->jaw, reader, at);
+        read_jaw(file, &file->jaw, reader, at);
     file->law = json_take_word(reader, at, "law", law_names, -1);
     read_piercing(file, reader, at);
     read_port(file, reader, at);
-    file->look = json_take_word(reader, at, "look", tool_look_words, -1);
 }
 
 static void read_device(struct scene_file *file, struct json_reader *reader, const struct json_value *at)
@@ -289,6 +344,8 @@ void scene_file_free(struct scene_file *file)
         free(file->bodies[i].mesh);
         free(file->bodies[i].regions);
     }
+    for (uint32_t i = 0; i < file->dress_count; i++)
+        free(file->dress[i].mesh);
     free(file->bodies);
     free(file->arm);
     free(file->device);

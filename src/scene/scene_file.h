@@ -7,6 +7,7 @@
 #include "dynpoint/world.h"
 #include "scene/file_identity.h"
 #include "scene/json_value.h"
+#include "scene/scene_dress.h"
 #include "scene/scene_list.h"
 #include "scene/scene_tips.h"
 #include "scene/tip_shape.h"
@@ -41,7 +42,9 @@ struct scene_file {
     struct tip_shapes tips; /* beside these */
     struct jaw_motion jaw;  /* of the arm's tool */
     double length, radius;
-    int law, look;     /* look: enum tool_look */
+    int law, look;                            /* look: enum tool_look */
+    struct dress_part dress[DRESS_PARTS_MAX]; /* in place of a look */
+    uint32_t dress_count;
     uint32_t piercing; /* DPT_PIERCING_..., of a stylus or of one segment */
     int has_port;
     double port[3]; /* m: where a stylus enters */

@@ -118,7 +118,7 @@ dpt_result scene_tips_make(struct scene_tips *tips, const char *path, const char
     tips->motion = *motion;
     tips->arm = info.tips ? arm : NULL;
     tips->jaws = info.jaws;
-    if (motion->is_given && !tips->jaws)
+    if (motion->is_given && !tips->jaws && !tips->has_seen_jaws)
         return host_refuse(error, DPT_E_ARGUMENT, "%s: its tool has no jaws to move (%s)", path, jaw);
     for (; tips->count < shapes->count + info.tips; tips->count++) {
         const uint32_t i = tips->count;
@@ -155,9 +155,10 @@ dpt_result scene_tips_add(const struct scene_tips *tips, dpt_world *world, dpt_t
 dpt_result scene_tips_move(struct scene_tips *tips, dpt_world *world, dpt_tool tool, double dt, uint32_t buttons)
 {
     double jaws[DPT_JOINTS_MAX];
+    if (tips->has_seen_jaws || tips->jaws)
+        tips->time = jaw_motion_time(&tips->motion, tips->time, dt, buttons);
     if (!tips->jaws)
         return DPT_OK;
-    tips->time = jaw_motion_time(&tips->motion, tips->time, dt, buttons);
     find_jaws(tips, jaws);
     dpt_result result = find_poses(tips, jaws);
     for (uint32_t i = tips->shapes.count; result == DPT_OK && i < tips->count; i++)
@@ -192,4 +193,9 @@ double scene_tips_drop(const struct scene_tips *tips, double min)
         }
     }
     return drop;
+}
+
+double scene_tips_opening(const struct scene_tips *tips)
+{
+    return tips->motion.is_given ? jaw_motion_share(&tips->motion, tips->time) : 0.5;
 }

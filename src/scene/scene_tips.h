@@ -45,11 +45,12 @@ struct scene_tips {
     uint32_t count;
     const dpt_arm *arm; /* NULL: there are shapes alone */
     uint32_t jaws;      /* of the arm */
+    int has_seen_jaws;  /* what the tool looks like has jaws, which are not felt */
     struct jaw_motion motion;
     double time; /* s, on the way of the motion */
 };
 
-/* The error names `path`, and the motion by `jaw` (setting_words.h). `arm` may be NULL. */
+/* After has_seen_jaws was set. The error names `path`, and the motion by `jaw` (setting_words.h). `arm` may be NULL. */
 dpt_result scene_tips_make(struct scene_tips *tips, const char *path, const char *jaw, const struct tip_shapes *shapes,
                            const dpt_arm *arm, const struct jaw_motion *motion, dpt_host_error *error);
 void scene_tips_close(struct scene_tips *tips);
@@ -59,6 +60,9 @@ dpt_result scene_tips_add(const struct scene_tips *tips, dpt_world *world, dpt_t
 
 /* Before a step by dt, s, with these of the device's buttons down: send the tips to where their jaws are. */
 dpt_result scene_tips_move(struct scene_tips *tips, dpt_world *world, dpt_tool tool, double dt, uint32_t buttons);
+
+/* How far the jaws are open: 0 closed, 1 wholly; half where nothing moves them. */
+double scene_tips_opening(const struct scene_tips *tips);
 
 /* The ends of a tip's axis, in the tool's frame. */
 void scene_tips_axis(const struct scene_tips *tips, uint32_t tip, double a[3], double b[3]);

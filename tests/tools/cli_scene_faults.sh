@@ -183,6 +183,15 @@ in_surface '.shaft_viscosity: must be 0 to 1e+06' '"shaft_viscosity": -1'
 in_surface '.shaft_stiffness: must be 0 to 1e+12' '"shaft_stiffness": -1'
 
 # --- Needles.
+in_scene 'tool.dress: is in place of a look' '"tool": { "look": "needle", "dress": [ { "mesh": "a.obj" } ] }'
+in_scene 'tool.dress: has 0 items; there must be 1 to 8' '"tool": { "dress": [] }'
+in_scene 'tool.dress[0]: needs a mesh' '"tool": { "dress": [ { "scale": 1 } ] }'
+in_scene 'tool.dress[0].scale: must be above 0' '"tool": { "dress": [ { "mesh": "a.obj", "scale": 0 } ] }'
+in_scene 'tool.dress[0]: axis and open are for a part with a hinge' '"tool": { "dress": [ { "mesh": "a.obj", "open": 1 } ] }'
+in_scene 'tool.dress[0].axis: is no direction' '"tool": { "dress": [ { "mesh": "a.obj", "hinge": [0,0,0], "axis": [0,0,0] } ] }'
+in_scene 'tool.dress[0].colour: has a number below 0' '"tool": { "dress": [ { "mesh": "a.obj", "colour": [0,-1,0] } ] }'
+in_scene 'tool.dress[0]: a.obj: ' '"tool": { "dress": [ { "mesh": "a.obj" } ] }'
+in_scene 'tool.jaw: is for the tool of an arm' '"tool": { "look": "needle", "jaw": { "to": 1 } }'
 in_scene 'tool.port: is for a stylus that has a length' '"tool": { "port": [0, 0.2, 0], "length": 0 }'
 in_scene 'tool.port: is for a stylus that has a length' \
     '"tool": { "port": [0, 0.2, 0], "segments": [ { "a": [0,0,0], "b": [0,0.1,0], "radius": 0.001 } ] }'

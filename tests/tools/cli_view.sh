@@ -89,7 +89,7 @@ write_decoder()
 import base64, json, math, re, struct, subprocess, sys
 
 program, path, source = sys.argv[1:4]
-csv_path = sys.argv[4] if len(sys.argv) > 4 else None
+csv_path = sys.argv[4] if len(sys.argv) > 4 and sys.argv[4] != "--jaws" else None
 page = open(path, encoding="utf-8").read()
 found = re.findall(r'<script type="text/plain" id="data">([^<]*)</script>', page)
 assert len(found) == 1, "%d places for data" % len(found)
@@ -112,7 +112,7 @@ def read_scene(message):
     scene = json.loads(message[8 : 8 + size].decode("utf-8"), parse_constant=lambda word: 1 / 0)
     begin = (8 + size + 7) // 8 * 8
     assert not any(message[8 + size : begin])
-    assert set(scene) == set("title program mode control device up frame_rate force_max camera inset look meshes bodies".split())
+    assert set(scene) == set("title program mode control device up frame_rate force_max camera inset look jaws dress meshes bodies".split())
     end = begin
     for mesh in scene["meshes"]:
         n, m = mesh["vertices"], mesh["triangles"]
@@ -124,6 +124,10 @@ def read_scene(message):
         end = max(end, begin + max(mesh["positions"] + 12 * n, mesh["corners"] + 12 * m, mesh["sources"] + 4 * m))
         assert all(mesh[key] % 4 == 0 for key in ("positions", "corners", "sources"))
     assert (end + 7) // 8 * 8 >= len(message) >= end
+    assert scene["jaws"] in (True, False)
+    for part in scene["dress"]:
+        assert set(part) == set("mesh pose hinge colour".split()) and part["mesh"] < len(scene["meshes"])
+        assert len(part["pose"]) == 7 and (part["hinge"] is None or len(part["hinge"]) == 7)
     for body in scene["bodies"]:
         assert body["mesh"] < len(scene["meshes"]) and len(body["pose"]) == 7
         assert body["look"] in ("organ", "cloth", "bone")
@@ -180,7 +184,7 @@ for message in messages[1:]:
     assert kind == 2 and zero == 0 and number == len(frames) and dropped == 0 and all(map(math.isfinite, rates))
     assert len(message) == 80 + size + 40 * count
     steps, time, tool, vertices = read_snapshot(message[80 : 80 + size], scene)
-    ticks += [struct.unpack_from("<dfffffIII", message, 80 + size + 40 * i) for i in range(count)]
+    ticks += [struct.unpack_from("<dfffffIIf", message, 80 + size + 40 * i) for i in range(count)]
     assert count > 0 and abs(ticks[-1][0] - time) < 1e-9 and steps == len(ticks), "tick at %g, snapshot at %g" % (ticks[-1][0], time)
     frames.append((time, tool))
     moved += vertices > 0
@@ -205,7 +209,7 @@ if csv_path:
     for tick, i in zip(ticks, felt):
         time += float(columns["dt"][i])
         assert abs(tick[0] - time) < 1e-9
-        assert tick[3] == f32(float(columns["energy"][i])) and tick[6:] == (int(columns["contact"][i]), int(columns["force_reason"][i]), 0)
+        assert tick[3] == f32(float(columns["energy"][i])) and tick[6:] == (int(columns["contact"][i]), int(columns["force_reason"][i]), 0.5)
         assert abs(tick[4] - 1e-9 * int(columns["late_ns"][i])) < 1e-9 and abs(tick[5] - 1e-9 * int(columns["took_ns"][i])) < 1e-9
         asked = [float(columns["asked_f" + axis][i]) for axis in "xyz"]
         # The passivity controller may take some away, but adds nothing on the whole.
@@ -224,6 +228,14 @@ if csv_path:
     assert expected - 1 <= len(frames) <= expected + 2, "%d frames for %g s" % (len(frames), ticks[-1][0])
     for (a, _), (b, _) in zip(frames, frames[1:-1]):
         assert dt * 0.99 < b - a < max(1 / 60 + dt, 1.01 * dt), "a frame after %g s" % (b - a)
+if "--jaws" in sys.argv:
+    # Open for 0.2 s, closed within 0.4 s while the button is down, and back.
+    opening = [tick[8] for tick in ticks]
+    assert opening[0] == opening[199] == opening[-1] == 1 and opening[700] == 0
+    assert abs(opening[400] - 0.5) < 0.01 and all(abs(a - b) < 0.003 for a, b in zip(opening, opening[1:]))
+    assert scene["jaws"] and [part["hinge"] and part["hinge"][6] for part in scene["dress"]] == [None, -0.5, 0.5]
+    assert [scene["meshes"][part["mesh"]]["triangles"] for part in scene["dress"]] == [116, 12, 12]
+    assert all(part["mesh"] >= len(scene["bodies"]) for part in scene["dress"]), "a part is a body"
 print("|".join([scene["title"], scene["mode"], scene["up"], str(len(scene["meshes"])), str(len(scene["bodies"])), str(len(frames)),
                 str(len(ticks)), str(moved), end]))
 PYTHON
@@ -300,6 +312,24 @@ scene_pages()
     check 'is the same' cmp -s scene.html by_hand.html
     refuses 'a recording in the way' 'scene.html.dpr is in the way' view tori -o scene.html
     rm scene.html.dpr
+}
+
+# A tool that looks like meshes of the user's own, with jaws that a button closes.
+dressed_pages()
+{
+    printf 't,x,y,z,buttons\n0,0,0.02,0,0\n0.199,0,0.02,0,0\n0.2,0,0.02,0,1\n0.799,0,0.02,0,1\n0.8,0,0.02,0,0\n3,0,0.02,0,0\n' >squeeze.csv
+    run run "$tests/../docs/samples/grasper.json" --device 'sim:?hand=squeeze.csv' --ticks 1300 --record dressed.dpr
+    if grep -q 'this build reads no scene files' stderr; then
+        skip 'a tool with meshes of its own: no jansson'
+        return
+    fi
+    check "a tool with meshes of its own: exit $status, $(cat stderr)" test $status -eq 0
+    succeeds 'and its page' view dressed.dpr -o dressed.html
+    [ $has_python ] || return
+    decoded 'a tool with meshes of its own' dressed.html dressed.dpr --jaws
+    sed 's/grasper-jaw.obj/nonesuch.obj/' "$tests/../docs/samples/grasper.json" >undressed.json
+    cp "$tests/../docs/samples/grasper-shaft.obj" .
+    refuses 'a part that is not there' 'undressed.json: tool.dress[1]: ' run undressed.json --device sim --ticks 5
 }
 
 recording_pages()
@@ -455,6 +485,7 @@ fi
 mesh_pages
 whole_pages
 scene_pages
+dressed_pages
 recording_pages
 names
 served

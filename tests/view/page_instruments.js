@@ -14,7 +14,7 @@ const RADIUS = 0.002;
 const UPRIGHT = [...A, 1, 0, 0, 0];
 
 async function rods() {
-  await check("each instrument has parts beyond the segment's ends, and none along what is felt", () => {
+  await check("each instrument has parts beyond the segment's ends, and none along what is felt but jaws", () => {
     const names = Object.keys(instruments.LOOKS);
     assert.deepStrictEqual(names, ["none", "stylus", "needle", "scalpel", "forceps", "laparoscope"]);
     for (const look of names) {
@@ -22,7 +22,7 @@ async function rods() {
       assert.strictEqual(all.length > 0, look !== "none", look);
       for (const { a, b } of all) {
         const [from, to] = [a[2], b[2]].sort((x, y) => x - y);
-        assert(from > B[2] - 1e-9 || to < A[2] + 5 * RADIUS, `${look}: ${from} to ${to}`);
+        assert(from > B[2] - 1e-9 || to < A[2] + (5 + instruments.clearOf(look)) * RADIUS, `${look}: ${from} to ${to}`);
         assert(to < B[2] + 50 * RADIUS && from > A[2] - 10 * RADIUS, `${look}: ${from} to ${to}`);
       }
     }
@@ -43,6 +43,73 @@ async function rods() {
     assert.deepStrictEqual(instruments.rodsOf("needle", A, A, RADIUS, null), []);
     assert(instruments.rodsOf("needle", A, A, 0, UPRIGHT).every(({ a, radiusB }) => a.every(Number.isFinite) && radiusB >= 0));
   });
+}
+
+async function jaws(browser) {
+  await check("jaws open and close with the tool's setting, within what is felt when they are closed", () => {
+    const jawsOf = opening => instruments.rodsOf("forceps", A, B, RADIUS, UPRIGHT, opening).slice(0, 2);
+    const asideOf = opening => jawsOf(opening).map(({ a }) => a[0] - A[0]);
+    near(asideOf(0), [0.5 * RADIUS, -0.5 * RADIUS], 1e-12);
+    near(asideOf(1), [3.5 * RADIUS, -3.5 * RADIUS], 1e-12);
+    near(asideOf(0.5), [2 * RADIUS, -2 * RADIUS], 1e-12);
+  });
+  // A block beside the tool's end b, which turns away about a hinge there; ticks say how far.
+  const { to, radius } = fixture.TOOL;
+  const long = Math.hypot(...to.map((value, k) => value - fixture.TOOL.from[k]));
+  const box = [-1, 1].flatMap(x => [-1, 1].flatMap(y => [-1, 1].map(z => [x, y, z])));
+  const block = {
+    name: "block",
+    positions: Float32Array.from(box.flatMap(([x, y, z]) => [2 * radius * x, 2 * radius * y, 4 * radius * z])),
+    corners: Uint32Array.from(
+      [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]].flatMap(([a, b, c, d]) => [a, b, c, a, c, d]),
+    ),
+    sources: Uint32Array.from({ length: 12 }, (_, i) => i),
+  };
+  const known = fixture.recording();
+  const hinge = [0, 0, long, 1, 0, 0, Math.PI / 2];
+  const dress = [{ mesh: 2, pose: [0, 0, long + 8 * radius, 1, 0, 0, 0], hinge, colour: [0, 1, 0] }];
+  const body = (id, mesh, place) => ({ id, mesh, pose: [...place, 1, 0, 0, 0], name: "body" });
+  const bodies = [body(11, 0, [0, 0, 0]), body(12, 1, fixture.BALL.centre)];
+  const scene = fixture.sceneMessage([...known.meshes, block], { dress, jaws: true, bodies });
+  const frames = Array.from({ length: fixture.FRAMES }, (_, i) => {
+    const frame = Buffer.from(known.frame(i));
+    const ticks = frame.readUInt32LE(8);
+    for (let k = 0; k < ticks; k++) frame.writeFloatLE(i < 150 ? 0 : 1, 80 + frame.readUInt32LE(4) + 40 * k + 36);
+    return frame;
+  });
+  const stream = fixture.streamOf([scene, ...frames, known.end]);
+  const page = await visitRecording(browser, write("dress", stream), fixture.FRAMES);
+  const isGreen = ([r, g, b]) => g > 60 && g > 2 * r && g > 2 * b;
+  const placeOfBlock = () => page.ask(`(view => {
+    const { parts: [part] } = view.dress;
+    view.draw(true);
+    return new THREE.Vector3().setFromMatrixPosition(part.object.matrix).toArray();
+  })(viewer.own.view)`);
+  await check("a mesh of the user's own stands where the tool is, turns with its jaws, and is in the legend", async () => {
+    const seen = [];
+    for (const frame of [149, 150]) {
+      await seek(page, frame);
+      await view(page, "5");
+      const { proxy } = fixture.placesAt(frame);
+      const axis = proxy[1].map((value, k) => (value - proxy[0][k]) / long);
+      const closed = proxy[1].map((value, k) => value + 8 * radius * axis[k]);
+      const at = await placeOfBlock();
+      const off = Math.hypot(...at.map((value, k) => value - closed[k]));
+      seen.push([off, isGreen(await pixel(page, closed)), isGreen(await pixel(page, at))]);
+    }
+    const [shut, open] = seen;
+    assert(shut[0] < 1e-6 && shut[1] && shut[2], JSON.stringify(seen));
+    near(open[0], 8 * radius * Math.SQRT2, 1e-6, "a quarter turn about end b:");
+    assert(open[2] || !open[1], JSON.stringify(seen));
+    assert.strictEqual(await page.ask("document.getElementById('dressed').checkVisibility()"), true);
+  });
+  await check("what is felt is seen through where meshes stand for it", async () => {
+    const lists = "({ proxy, clearProxy }) => [proxy.list.length, clearProxy.list.length]";
+    const [solid, clear] = await page.ask(`(${lists})(viewer.own.view.tools)`);
+    assert.deepStrictEqual([solid, clear], [0, 1]);
+  });
+  assert.deepStrictEqual(page.said, []);
+  await browser.leave(page);
 }
 
 async function drawn(browser) {
@@ -83,6 +150,7 @@ async function drawn(browser) {
   await rods();
   const browser = launch(room);
   await drawn(browser);
+  await jaws(browser);
   await browser.close();
   finish();
 })().catch(error => {

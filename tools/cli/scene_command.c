@@ -53,6 +53,8 @@ int check_scene_output(const struct scene_def *def, const char *path)
     int status = output_check(def->command, path, (const char *const[]){ def->path, def->tool, NULL });
     for (uint32_t i = 0; status == 0 && file && i < file->body_count; i++)
         status = output_check(def->command, path, (const char *const[]){ file->bodies[i].mesh, NULL });
+    for (uint32_t i = 0; status == 0 && file && i < file->dress_count; i++)
+        status = output_check(def->command, path, (const char *const[]){ file->dress[i].mesh, NULL });
     return status;
 }
 

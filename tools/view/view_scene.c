@@ -183,6 +183,28 @@ static void append_bodies(struct text *text, const struct view_scene *scene, str
     append(text, "]");
 }
 
+static void append_dress(struct text *text, const struct scene_dress *dress, struct parts *parts)
+{
+    append(text, ",\"dress\":[");
+    for (uint32_t i = 0; dress && i < dress->count; i++) {
+        const struct dress_part *part = &dress->part[i];
+        const double hinge[7] = { part->hinge[0], part->hinge[1], part->hinge[2], part->axis[0],
+                                  part->axis[1],  part->axis[2],  part->open };
+        append(text, i ? ",{\"mesh\":" : "{\"mesh\":");
+        append_number(text, mesh_index(parts, dress->mesh[i]));
+        append(text, ",\"pose\":[");
+        append_numbers(text, part->pose.position, 3);
+        append(text, ",");
+        append_numbers(text, part->pose.orientation, 4);
+        append(text, "],\"hinge\":");
+        append_list(text, part->has_hinge ? hinge : NULL, 7);
+        append(text, ",\"colour\":");
+        append_list(text, part->has_colour ? part->colour : NULL, 3);
+        append(text, "}");
+    }
+    append(text, "]");
+}
+
 static void append_device(struct text *text, const struct view_scene *scene)
 {
     append(text, ",\"device\":");
@@ -233,7 +255,7 @@ static void *put_message(const struct text *text, const struct parts *parts, siz
 void *view_scene_message(const struct view_scene *scene, size_t *size)
 {
     struct text text = { .size = 0 };
-    struct parts parts = { .mesh = calloc(scene->body_count + 1u, sizeof *parts.mesh) };
+    struct parts parts = { .mesh = calloc(scene->body_count + DRESS_PARTS_MAX + 1u, sizeof *parts.mesh) };
     void *message = NULL;
     text.is_bad = !parts.mesh;
     append(&text, "{\"title\":");
@@ -255,9 +277,11 @@ void *view_scene_message(const struct view_scene *scene, size_t *size)
     append_list(&text, scene->inset, 9);
     append(&text, ",\"look\":");
     append_string(&text, tool_look_words[scene->look]);
+    append(&text, scene->has_jaws ? ",\"jaws\":true" : ",\"jaws\":false");
     append_device(&text, scene);
     if (!text.is_bad) {
         append_bodies(&text, scene, &parts);
+        append_dress(&text, scene->dress, &parts);
         append_meshes(&text, &parts);
         append(&text, "}");
     }
@@ -315,6 +339,8 @@ void *scene_picture_message(const struct scene *scene, const struct scene_pictur
                                .inset = scene->inset.is_given ? scene->inset.place : NULL,
                                .force_max = picture->force_max,
                                .look = scene->look,
+                               .dress = &scene->dress,
+                               .has_jaws = scene->tips.has_seen_jaws && scene->tips.motion.is_given,
                                .bodies = list,
                                .body_count = bodies->count };
     map_workspace(scene, told.workspace);
@@ -362,5 +388,6 @@ struct view_tick scene_picture_tick(const struct scene *scene, const dpt_loop_sa
                                .late = (float)sample->late,
                                .took = (float)took,
                                .contact = hit.contact,
-                               .reason = report.reason };
+                               .reason = report.reason,
+                               .opening = (float)scene_tips_opening(&scene->tips) };
 }

@@ -30,6 +30,8 @@ struct view_scene {
     const double *inset;  /* of a second, small view: likewise; NULL: none */
     double force_max;     /* N; 0: not known */
     enum tool_look look;
+    const struct scene_dress *dress;
+    int has_jaws; /* they move: ticks say how far they are open */
     const struct view_scene_body *bodies;
     uint32_t body_count;
 };

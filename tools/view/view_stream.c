@@ -174,7 +174,7 @@ void view_frame_put_tick(const struct view_tick *tick, unsigned char *to)
     to = put_float(to, tick->took);
     to = put4(to, tick->contact);
     to = put4(to, tick->reason);
-    put4(to, 0);
+    put_float(to, tick->opening);
 }
 
 enum { PERCENTILE_TICKS = 1024 };

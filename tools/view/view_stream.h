@@ -57,6 +57,7 @@ struct view_tick {
     float late, took; /* s */
     uint32_t contact; /* DPT_CONTACT_... */
     uint32_t reason;  /* DPT_FORCE_..., or VIEW_TICK_FAILED */
+    float opening;    /* of the tool's jaws: 0 closed, 1 wholly open */
 };
 
 /* The reason of a tick that failed: it has no force. */

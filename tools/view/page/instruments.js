@@ -5,10 +5,11 @@
 const instruments = (() => {
   const THINNEST = 0.0005; // m: radius of a segment that has less
 
-  // A part: from and to [along, aside], in radii, along beyond the tip's end (below 0) or beyond the other end ("past" it);
+  // A part: from and to [along, aside, opens], in radii: jaws that are half open are `aside`, and `opens` less or more where
+  // they are closed or wide open; along beyond the tip's end (below 0) or beyond the other end ("past" it);
   // radii at both ends; what it is made of; flat: how thick it is across, in parts of its width.
   const past = (along, aside = 0) => ({ past: true, along, aside });
-  const tip = (along, aside = 0) => ({ past: false, along, aside });
+  const tip = (along, aside = 0, opens = 0) => ({ past: false, along, aside, opens });
   const part = (from, to, radii, of, { flat = 1, round = 1 } = {}) => ({ from, to, radii, of, flat, round });
 
   const LOOKS = {
@@ -34,8 +35,8 @@ const instruments = (() => {
       part(past(6), past(38), [2.4, 3], "grip", { flat: 0.4 }),
     ],
     forceps: [
-      part(tip(-7, 2), tip(1, 0.3), [0.5, 0.8], "steel", { flat: 0.8 }), // jaws
-      part(tip(-7, -2), tip(1, -0.3), [0.5, 0.8], "steel", { flat: 0.8 }),
+      part(tip(0, 2, 1.5), tip(8, 0.3), [0.5, 0.8], "steel", { flat: 0.8 }), // jaws
+      part(tip(0, -2, -1.5), tip(8, -0.3), [0.5, 0.8], "steel", { flat: 0.8 }),
       part(past(0), past(22), [1, 1], "steel"),
       part(past(20), past(23), [2.4, 2.4], "trim", { round: 0.4 }), // wheel that turns the shaft
       part(past(23), past(34), [1.8, 2.6], "grip"),
@@ -53,6 +54,8 @@ const instruments = (() => {
     ],
   };
 
+  const JAWS = { forceps: 7 }; // radii from end a: there what is felt is seen through, as jaws move within it
+
   const norm = v => {
     const by = 1 / Math.max(1e-12, rays.length(v));
     return v.map(value => value * by);
@@ -66,17 +69,36 @@ const instruments = (() => {
     return rays.length(across) > 0.1 ? norm(across) : null;
   }
 
+  // Where a tool is and how it is turned: from its end a, unit vectors along its axis, to its side and across both; null
+  // where it is nowhere.
+  function frameOf(a, b, pose) {
+    if (!(rays.isPlace(a) && rays.isPlace(b))) return null;
+    const turned = pose && rays.rotation(pose);
+    const isLong = rays.length(rays.sub(b, a)) > 0;
+    const axis = isLong ? norm(rays.sub(b, a)) : turned ? rays.turn(turned, [0, 0, 1]) : null;
+    if (!axis) return null;
+    const [x, y, z] = axis;
+    const side = sideOf(pose, axis) ?? norm(Math.abs(x) < 0.6 ? [0, z, -y] : [-z, 0, x]);
+    const across = [y * side[2] - z * side[1], z * side[0] - x * side[2], x * side[1] - y * side[0]];
+    return { from: a, axis, side, across };
+  }
+
   /*
    * The rods of an instrument: [{ a, b, radiusA, radiusB, of, flat, round, side }...], in m of the scene.
-   *   look  a name of LOOKS; a, b, radius  of the segment; pose  of the tool's frame, or null
+   *   look     a name of LOOKS
+   *   a, b, radius  of the segment
+   *   pose     of the tool's frame, or null
+   *   opening  of jaws, 0 to 1
    */
-  function rodsOf(look, a, b, radius, pose) {
-    if (!(rays.isPlace(a) && rays.isPlace(b))) return [];
-    const axis = rays.length(rays.sub(b, a)) > 0 ? norm(rays.sub(b, a)) : pose && rays.rotation(pose) ? rays.turn(rays.rotation(pose), [0, 0, 1]) : null;
-    if (!axis) return [];
+  function rodsOf(look, a, b, radius, pose, opening = 0.5) {
+    const frame = frameOf(a, b, pose);
+    if (!frame) return [];
+    const { axis, side } = frame;
     const unit = Math.max(THINNEST, radius || 0);
-    const side = sideOf(pose, axis) ?? norm(Math.abs(axis[0]) < 0.6 ? [0, axis[2], -axis[1]] : [-axis[2], 0, axis[0]]);
-    const place = ({ past, along, aside }) => (past ? b : a).map((value, k) => value + unit * (along * axis[k] + aside * side[k]));
+    const place = ({ past, along, aside, opens = 0 }) => {
+      const across = aside + 2 * (opening - 0.5) * opens;
+      return (past ? b : a).map((value, k) => value + unit * (along * axis[k] + across * side[k]));
+    };
     return LOOKS[look].map(({ from, to, radii, of, flat, round }) => ({
       a: place(from),
       b: place(to),
@@ -92,5 +114,7 @@ const instruments = (() => {
   // How far the shaft goes on beyond the segment, in radii: it throws the same shadow.
   const shaftOf = look => LOOKS[look].find(({ of, from }) => of === "steel" && from.past)?.to.along ?? 0;
 
-  return { LOOKS, rodsOf, shaftOf };
+  const clearOf = look => JAWS[look] ?? 0;
+
+  return { LOOKS, clearOf, frameOf, rodsOf, shaftOf };
 })();

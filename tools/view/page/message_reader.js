@@ -78,6 +78,15 @@ const messageReader = (() => {
     return { name: device.name, simulated: device.simulated === true, rate: device.rate, workspace: box };
   }
 
+  function readDressPart(part, meshes) {
+    demand(isObject(part) && isCount(part.mesh) && part.mesh < meshes.length, "A part of the tool has no mesh.");
+    demand(areNumbers(part.pose, POSE), "A part of the tool has no pose.");
+    const { mesh, pose, hinge = null, colour = null } = part;
+    demand(hinge === null || areNumbers(hinge, 7), "A hinge of the tool is not seven numbers.");
+    demand(colour === null || areNumbers(colour, 3), "The colour of a part of the tool is not three numbers.");
+    return { mesh, pose, hinge, colour };
+  }
+
   function readScene(bytes, message) {
     demand(message.size >= 8, "The scene is cut off.");
     const end = 8 + message.u32(4);
@@ -102,6 +111,8 @@ const messageReader = (() => {
     const look = json.look ?? null;
     demand(look === null || TOOL_LOOKS.includes(look), "The tool's look is not known.");
     const meshes = json.meshes.map((mesh, i) => readMesh(mesh, blob, i));
+    demand(Array.isArray(json.dress ?? []), "The scene's list of the tool's parts is none.");
+    const dress = (json.dress ?? []).map(part => readDressPart(part, meshes));
     const ids = new Set();
     const bodies = json.bodies.map(body => {
       demand(
@@ -132,6 +143,8 @@ const messageReader = (() => {
       camera,
       inset,
       look,
+      hasJaws: json.jaws === true,
+      dress,
       meshes,
       bodies,
     };
@@ -149,6 +162,7 @@ const messageReader = (() => {
         took: message.f32(at + 24),
         contact: message.u32(at + 28),
         reason: message.u32(at + 32),
+        opening: message.f32(at + 36),
       };
     });
   }

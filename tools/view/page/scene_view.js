@@ -145,7 +145,14 @@ const sceneView = (() => {
       if (this.box) this.three.add(this.box);
       this.scene = scene;
       Object.assign(this, { snapshot: null, picked: null, mostMoved: 0 });
-      Object.assign(this.scales, { control: scene.control, look: scene.look });
+      Object.assign(this.scales, { control: scene.control, look: scene.look, hasDress: scene.dress.length > 0 });
+      if (this.dress) {
+        for (const object of this.dress.objects) this.three.remove(object);
+        this.dress.dispose();
+      }
+      this.dress = new dress.Dress(scene.dress, scene.meshes);
+      for (const object of this.dress.objects) this.three.add(object);
+      this.scales.opening = 0.5;
       this.camera.up = scene.up;
       this.readColours();
       this.inset.set(scene.inset, scene.up, this.bounds().radius);
@@ -194,13 +201,16 @@ const sceneView = (() => {
         if (body.colour) value.setRGB(...body.colour, THREE.SRGBColorSpace);
         else value.copy(colours[body.look]);
       }
+      this.dress.readColours(colours.steel);
       if (this.box) this.box.material.color = colours.workspace;
       this.dirty = true;
     }
 
-    // own: a body's number, and its vertices where it has its own.
-    show(snapshot, own) {
+    // own: a body's number, and its vertices where it has its own; opening: of the tool's jaws, 0 to 1.
+    show(snapshot, own, opening = this.scales.opening) {
       this.snapshot = snapshot;
+      this.scales.opening = opening;
+      this.dress.place(toolView.frameOfDress(snapshot), opening);
       for (const body of snapshot?.bodies ?? []) this.bodies.get(body.id)?.setPose(body.pose, body.flags);
       for (const [id, view] of this.bodies) view.setVertices(own.get(id));
       const strip = [];

@@ -22,11 +22,26 @@ const toolView = (() => {
   const handleOf = (snapshot, tool) =>
     tool.isFree ? snapshot.segments[tool.firstSegment].a : tool.pose.slice(0, 3);
 
-  // The rods of a tool's instrument.
-  function dressOf(snapshot, tool, look) {
+  // The rods of a tool's instrument; opening: of its jaws.
+  function dressOf(snapshot, tool, look, opening) {
     const segment = snapshot.segments[tool.firstSegment];
     if (!look || !segment || tool.segments === 0) return [];
-    return instruments.rodsOf(look, segment.proxyA, segment.proxyB, segment.radius, tool.isFree ? null : tool.proxy);
+    const { proxyA, proxyB, radius } = segment;
+    return instruments.rodsOf(look, proxyA, proxyB, radius, tool.isFree ? null : tool.proxy, opening);
+  }
+
+  // The part of the first segment, from its end a, that is seen through: all where meshes stand for it, or where jaws move.
+  function clearOf({ proxyA, proxyB, radius }, { look, hasDress }) {
+    const long = rays.length(rays.sub(proxyB, proxyA));
+    return hasDress ? 1 : long > 0 ? Math.min(1, (instruments.clearOf(look) * Math.max(0, radius || 0)) / long) : 0;
+  }
+
+  // The frame of the first tool's own meshes, or null.
+  function frameOfDress(snapshot) {
+    const tool = snapshot?.tools[0];
+    const segment = tool && snapshot.segments[tool.firstSegment];
+    if (!segment || tool.segments === 0) return null;
+    return instruments.frameOf(segment.proxyA, segment.proxyB, tool.isFree ? null : tool.proxy);
   }
 
   class ToolView {
@@ -39,6 +54,7 @@ const toolView = (() => {
       const front = material(THREE.MeshLambertMaterial, 3, { ...clear, opacity: 0.4 });
       const steel = { ...solid, shininess: 60, specular: 0x999999 };
       this.proxy = new CapsuleBatch([material(THREE.MeshPhongMaterial, 1, steel)]);
+      this.clearProxy = new CapsuleBatch([material(THREE.MeshLambertMaterial, 3, { ...clear, opacity: 0.3 })]);
       this.dress = new CapsuleBatch([material(THREE.MeshPhongMaterial, 1, steel)]); // for the eye alone
       this.bands = new CapsuleBatch([
         material(THREE.MeshBasicMaterial, 2, solid),
@@ -48,7 +64,7 @@ const toolView = (() => {
       this.marks = new CapsuleBatch([
         material(THREE.MeshBasicMaterial, 6, { transparent: true, depthTest: false, depthWrite: false }),
       ]);
-      this.batches = [this.dress, this.proxy, this.bands, this.device, this.marks];
+      this.batches = [this.dress, this.proxy, this.clearProxy, this.bands, this.device, this.marks];
       this.objects = this.batches.flatMap(batch => batch.meshes);
       this.arrows = [];
       this.rods = []; // what casts shadows
@@ -63,18 +79,23 @@ const toolView = (() => {
       this.rods = [];
       this.patches = [];
       if (snapshot) {
-        for (const segment of snapshot.segments) this.addSegment(segment, colours, camera);
-        if (scales.look) for (const tool of snapshot.tools) this.addDress(snapshot, tool, colours, scales.look);
+        const first = snapshot.segments[snapshot.tools[0]?.firstSegment];
+        for (const segment of snapshot.segments)
+          this.addSegment(segment, colours, camera, segment === first ? clearOf(segment, scales) : 0);
+        if (scales.look) for (const tool of snapshot.tools) this.addDress(snapshot, tool, colours, scales);
         for (const contact of snapshot.contacts) this.addContact(snapshot, contact, camera, scales);
         for (const tool of snapshot.tools) this.addTool(snapshot, tool, colours, camera, scales);
       }
       for (const batch of this.batches) batch.end();
     }
 
-    addSegment({ a, b, radius, proxyA, proxyB, p, q }, colours, camera) {
+    // clear: the part of it from end a, 0 to 1, that is seen through
+    addSegment({ a, b, radius, proxyA, proxyB, p, q }, colours, camera, clear) {
       const thick = place => Math.max(Math.max(0, radius || 0), 1.5 * camera.pixelSize(place));
       this.device.add(a, b, thick(a), thick(b), 1, colours.device);
-      this.proxy.add(proxyA, proxyB, thick(proxyA), thick(proxyB), 1, colours.proxy);
+      const from = clear > 0 ? rays.along(proxyA, proxyB, clear) : proxyA;
+      if (clear > 0) this.clearProxy.add(proxyA, proxyB, thick(proxyA), thick(proxyB), 1, colours.proxy);
+      if (clear < 1) this.proxy.add(from, proxyB, thick(from), thick(proxyB), 1, colours.proxy);
       if (rays.isPlace(proxyA) && rays.isPlace(proxyB)) this.rods.push({ a: proxyA, b: proxyB, radius: thick(proxyA) });
       if (!rays.isPlace(p) || !rays.isPlace(q)) return;
       const line = 0.9 * camera.pixelSize(p);
@@ -83,11 +104,11 @@ const toolView = (() => {
     }
 
     // The instrument on the tool's first segment.
-    addDress(snapshot, tool, colours, look) {
+    addDress(snapshot, tool, colours, { look, opening }) {
       const segment = snapshot.segments[tool.firstSegment];
       if (!segment || tool.segments === 0) return;
       const { proxyA, proxyB } = segment;
-      for (const rod of dressOf(snapshot, tool, look))
+      for (const rod of dressOf(snapshot, tool, look, opening))
         this.dress.add(rod.a, rod.b, rod.radiusA, rod.radiusB, rod.round, colours[rod.of], rod.flat, rod.side);
       const own = this.rods.find(({ a }) => a === proxyA);
       const long = rays.length(rays.sub(proxyB, proxyA));
@@ -150,5 +171,5 @@ const toolView = (() => {
     }
   }
 
-  return { ToolView, handleOf, dressOf, ARROW };
+  return { ToolView, handleOf, dressOf, frameOfDress, ARROW };
 })();

@@ -95,7 +95,7 @@ const viewer = (() => {
     element("deformation").hidden = true;
     if (own.view?.showsDeformation) showDeformation(false);
     delete element("legend").dataset.strip;
-    element("dressed").hidden = !scene.look || scene.look === "none";
+    element("dressed").hidden = (!scene.look || scene.look === "none") && scene.dress.length === 0;
     beginEdges();
     clearFrames();
     unpick();
@@ -210,7 +210,8 @@ const viewer = (() => {
     own.frame = messageReader.readMessage(entry.bytes);
     if (own.frame.snapshot.strips.length > 0) element("legend").dataset.strip = "";
     if (entry.own.size > 0) element("deformation").hidden = false;
-    own.view?.show(own.frame.snapshot, entry.own);
+    const opening = own.scene.hasJaws ? own.frame.ticks.at(-1)?.opening : 0.5;
+    own.view?.show(own.frame.snapshot, entry.own, opening);
     tellDepth(readouts.depthWord(own.frame.snapshot.tools[0]));
     listTools(own.frame.snapshot.tools);
     showFound();
