@@ -31,13 +31,13 @@ const surfaceLight = (() => {
       float gap = length(from + t * sun - s * axis) - radius;
       float soft = 0.3 * radius + 0.2 * t; // a sun that is not a point: the farther the rod, the softer
       float apart = min(1.0, 0.4 * t / radius);
-      soft += 0.6 * radius * (1.0 - apart); // where they touch a hard edge would look like a cut
+      soft += 1.1 * radius * (1.0 - apart); // where they touch a hard edge would look like a cut
       float cover = clamp(0.5 - gap / soft, 0.0, 1.0) * min(1.0, 2.0 * radius / soft);
       vec3 to = clamp(g * parts.z, 0.0, 1.0) * axis - from;
       float near = dot(to, to);
       float square = radius * radius;
       float sky = max(dot(to, normal), 0.0) * square * inversesqrt(max(near, 1e-12)) / max(near, square);
-      return vec2(1.0 - (0.5 + 0.35 * apart) * cover, 1.0 - 0.8 * clamp(sky, 0.0, 1.0));
+      return vec2(1.0 - (0.42 + 0.43 * apart) * cover, 1.0 - 0.8 * clamp(sky, 0.0, 1.0));
     }
     #endif
 
