@@ -468,13 +468,19 @@ const sceneView = (() => {
       return [...rgba.subarray(0, 3)];
     }
 
-    // A promise of a PNG, with smooth edges.
-    picture() {
+    // A promise of a PNG, with smooth edges. paint(context, ratio): what stands over the picture, with so many pixels for one
+    // of the page.
+    picture(paint = () => {}) {
       this.setSmooth(true);
       this.draw(true);
       this.dirty = true; // what stands beside the picture follows with the next one
+      const { width, height } = this.canvas;
+      const copy = Object.assign(document.createElement("canvas"), { width, height });
+      const context = copy.getContext("2d");
+      context.drawImage(this.canvas, 0, 0); // the buffer is gone after its frame
+      paint(context, width / this.width);
       return new Promise(done => {
-        this.canvas.toBlob(done, "image/png");
+        copy.toBlob(done, "image/png");
       });
     }
   }

@@ -386,7 +386,10 @@ const viewer = (() => {
   }
 
   async function save() {
-    const blob = await own.view?.picture();
+    const blob = await own.view?.picture((context, ratio) => {
+      labels.show(own.view);
+      savedPicture.paint(context, ratio, picture, ["inset", "labels", "legend"].map(element));
+    });
     if (!blob) return;
     const link = document.createElement("a");
     const address = URL.createObjectURL(blob);
