@@ -17,10 +17,10 @@ const sights = [
   },
   {
     name: "soft-liver",
-    make: () => record(run, "soft-liver", "sim:?hand=press&reach=0.025&cycle=4", 4),
+    make: () => record(run, "soft-liver", "sim:?hand=press&reach=0.018&cycle=4", 4), // deeper, cells turn inside out
     time: 2.0,
-    turn: [-0.35, -0.1],
-    zoom: 0.85,
+    turn: [-0.2, 0],
+    zoom: 1,
     dark: true,
   },
   {
