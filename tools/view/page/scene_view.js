@@ -398,7 +398,7 @@ const sceneView = (() => {
       this.sun.target.position.set(...target);
       const sun = back.map((value, k) => 1.1 * value + 1.2 * above[k] - 0.7 * right[k]);
       this.sun.position.set(...target.map((value, k) => value + radius * sun[k]));
-      surfaceLight.setLight(this.light, sun, camera.turned([0, 0, 1]), back, this.tools.rods);
+      surfaceLight.setLight(this.light, sun, camera.turned([0, 0, 1]), back, this.tools.rods, radius);
       surfaceLight.setPatches(this.light, this.showsDeformation ? [] : this.patches()); // one meaning of a colour
       this.showDeformation();
       for (const [id, { object }] of this.bodies) {

@@ -7,6 +7,7 @@ const surfaceLight = (() => {
   const PATCHES = 2; // of contact that are marked
   const REACH = 10; // radii of a rod: beyond, its shadow is too faint to be seen
   const FINE = 1.3; // radii of a rod: edges that are shorter show its shadow
+  const BLUR = 0.03; // radii of the scene: the edge of a shadow is no narrower
   const VEIL = 0.3; // opacity of what hides the tool
   const VEIL_ORDER = 5; // after the tool, before the marks
   // wet: how strong the sun's reflection is; dull: likewise, spread wide; rim: how bright what is seen from the side gets
@@ -19,6 +20,7 @@ const surfaceLight = (() => {
   // How much of sun and sky the rods leave: the sun along its ray, the sky by how near they are.
   const BESIDE_RODS = `
     #if RODS > 0
+    uniform float blur; // m: the least width of a shadow's edge
     uniform vec4 rodFrom[RODS]; // an end, and the radius
     uniform vec4 rodAxis[RODS]; // from it to the other end, and the square of how far the shadow reaches from its middle
     uniform vec3 rodParts[RODS]; // axis along the sun; 1 / square of the axis across the sun; 1 / square of the axis
@@ -31,7 +33,7 @@ const surfaceLight = (() => {
       float gap = length(from + t * sun - s * axis) - radius;
       float soft = 0.3 * radius + 0.2 * t; // a sun that is not a point: the farther the rod, the softer
       float apart = min(1.0, 0.4 * t / radius);
-      soft += 1.1 * radius * (1.0 - apart); // where they touch a hard edge would look like a cut
+      soft = max(blur, soft + 1.1 * radius * (1.0 - apart)); // a hard edge where they touch, or a thin line, looks like a cut
       float cover = clamp(0.5 - gap / soft, 0.0, 1.0) * min(1.0, 2.0 * radius / soft);
       vec3 to = clamp(g * parts.z, 0.0, 1.0) * axis - from;
       float near = dot(to, to);
@@ -187,6 +189,7 @@ const surfaceLight = (() => {
     above: { value: new THREE.Vector3(0, 0, 1) },
     toEye: { value: new THREE.Vector3(0, 0, 1) },
     between: { value: new THREE.Vector3(0, 0, 1) },
+    blur: { value: 0 },
     rodFrom: { value: [] },
     rodAxis: { value: [] },
     rodParts: { value: [] },
@@ -237,8 +240,10 @@ const surfaceLight = (() => {
   /*
    *   sun, above, toEye  directions
    *   rods               [{ a, b, radius }...]; those beyond RODS cast no shadow
+   *   size               m: radius of the scene
    */
-  function setLight(shared, sun, above, toEye, rods) {
+  function setLight(shared, sun, above, toEye, rods, size) {
+    shared.blur.value = BLUR * size;
     shared.sun.value.set(...sun).normalize();
     shared.above.value.set(...above);
     shared.toEye.value.set(...toEye);
