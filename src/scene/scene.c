@@ -201,15 +201,51 @@ static enum tool_look look_of(const struct scene *scene, const struct scene_def 
     return listed && listed->look ? listed->look : TOOL_LOOK_STYLUS;
 }
 
+/* Read the meshes. The error names the part. */
+static dpt_result open_dress(struct scene_dress *dress, const char *path, const struct dress_part *parts,
+                             uint32_t count, dpt_host_error *error)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        dpt_compile_def def;
+        dpt_diag diag = { .size = sizeof diag };
+        dpt_compile_def_init(&def);
+        def.scale = parts[i].scale;
+        dpt_result result = dpt_compile_file(parts[i].mesh, &def, &dress->compiled[i], &diag);
+        if (result == DPT_OK)
+            result = dpt_mesh_open(dress->compiled[i].bytes, dress->compiled[i].size, &dress->mesh[i]);
+        if (result != DPT_OK)
+            return host_refuse(error, result, "%s: tool.dress[%u]: %s: %s", path, (unsigned)i, parts[i].mesh,
+                               diag.code ? diag.text : dpt_result_text(result));
+        dress->part[i] = parts[i];
+        dress->part[i].mesh = NULL;
+        dress->count = i + 1;
+    }
+    return DPT_OK;
+}
+
+static void close_dress(struct scene_dress *dress)
+{
+    for (uint32_t i = 0; i < DRESS_PARTS_MAX; i++)
+        dpt_compiled_free(&dress->compiled[i]);
+}
+
+static int has_dress_jaws(const struct scene_dress *dress)
+{
+    for (uint32_t i = 0; i < dress->count; i++)
+        if (dress->part[i].has_hinge)
+            return 1;
+    return 0;
+}
+
 static dpt_result put_look(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
     const struct scene_file *file = def->file;
     scene->look = look_of(scene, def);
     if (file && file->dress_count) {
         scene->look = TOOL_LOOK_NONE;
-        DPT_TRY(scene_dress_open(&scene->dress, def->path, file->dress, file->dress_count, error));
+        DPT_TRY(open_dress(&scene->dress, def->path, file->dress, file->dress_count, error));
     }
-    scene->tips.has_seen_jaws = scene->look == TOOL_LOOK_FORCEPS || scene_dress_has_jaws(&scene->dress);
+    scene->tips.has_seen_jaws = scene->look == TOOL_LOOK_FORCEPS || has_dress_jaws(&scene->dress);
     return DPT_OK;
 }
 
@@ -331,7 +367,7 @@ void scene_close(struct scene *scene)
     scene_stage_close(&scene->stage);
     scene_bodies_close(&scene->bodies);
     scene_tips_close(&scene->tips);
-    scene_dress_close(&scene->dress);
+    close_dress(&scene->dress);
     free(scene->bytes);
     free(scene->tool_bytes);
 }

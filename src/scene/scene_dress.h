@@ -9,7 +9,6 @@
 
 #include "dynpoint/compile.h"
 #include "dynpoint/mesh.h"
-#include "scene/host_error.h"
 
 enum { DRESS_PARTS_MAX = 8 };
 
@@ -30,13 +29,5 @@ struct scene_dress {
     dpt_compiled compiled[DRESS_PARTS_MAX];
     const dpt_mesh *mesh[DRESS_PARTS_MAX];
 };
-
-/* Read the meshes. The error names `path` and the part. Close the dress also after a failure. */
-dpt_result scene_dress_open(struct scene_dress *dress, const char *path, const struct dress_part *parts, uint32_t count,
-                            dpt_host_error *error);
-void scene_dress_close(struct scene_dress *dress);
-
-/* Whether a part is a jaw. */
-int scene_dress_has_jaws(const struct scene_dress *dress);
 
 #endif
