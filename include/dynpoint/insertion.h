@@ -50,6 +50,7 @@ enum { DPT_CHANNEL_FLAG_OCCUPIED = 1 /* the tool is in it */ };
  *              dpt_mesh_get_triangle; their sum is 1
  *   flags      DPT_CHANNEL_FLAG_...
  *   ruptures   walls that are open, from the entry on
+ *   layers     stretches inside of the body that the tip has gone into and not come back from
  *   entry      where its axis enters the body
  *   axis       unit, into the body
  *   depth      of the tip's axis beyond the entry; 0: it is not in. A tip that is still within the wall may be below 0
@@ -65,6 +66,8 @@ typedef struct dpt_channel {
     uint32_t triangle;
     uint32_t flags;
     uint32_t ruptures;
+    uint32_t layers;
+    uint32_t reserved; /* 0 */
     double weight[3];
     double entry[3];
     double axis[3];

@@ -74,6 +74,10 @@ enum {
  *   energy     that the law stores, J
  *   lag        of the proxy, m
  *   point      the nearest point of the mesh, in the world, m
+ *   depth      of a needle's tip beyond the entry of its first channel, m; 0: it is in none (insertion.h)
+ *   inside     length of its shaft inside of all bodies, m
+ *   ruptures   walls that are open in the channels that it is in
+ *   layers     of these bodies, that its tip has gone into and not come back from
  */
 typedef struct dpt_record {
     uint32_t size; /* sizeof(dpt_record), set by the caller; of an array, in the first item */
@@ -111,6 +115,10 @@ typedef struct dpt_record {
     double energy;
     double lag;
     double point[3];
+    double depth;
+    double inside;
+    uint32_t ruptures;
+    uint32_t layers;
 } dpt_record;
 
 /* The bytes of a header, a multiple of 8; 0 for one that cannot be written. */

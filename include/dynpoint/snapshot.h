@@ -26,7 +26,7 @@
 DPT_BEGIN
 
 /*
- * How much of a world a snapshot holds. Bodies, tools and segments are always in it. dpt_snapshot_def_init fills in the
+ * How much of a world a snapshot holds. Bodies, tools, segments and channels are always in it. dpt_snapshot_def_init fills in the
  * defaults, which are given last below. Of what does not fit, the rest is left out, and dpt_snapshot_info.flags say so;
  * not of what is not wanted at all.
  */
@@ -89,6 +89,8 @@ typedef struct dpt_snapshot_info {
     uint32_t contacts;
     uint32_t strip; /* triangles of strips */
     uint32_t vertices;
+    uint32_t channels; /* that needles have made */
+    uint32_t reserved; /* 0 */
 } dpt_snapshot_info;
 
 /*
@@ -208,6 +210,28 @@ typedef struct dpt_snapshot_strip {
     double overlap;
 } dpt_snapshot_strip;
 
+/* A channel that a tool has made (dpt_channel), with what a picture shows. It is there also while its tool is out of it. */
+typedef struct dpt_snapshot_channel {
+    uint32_t size; /* sizeof(dpt_snapshot_channel), set by the caller */
+    uint32_t id;
+    uint32_t body;
+    uint32_t triangle; /* source number, at the entry */
+    uint32_t flags;    /* DPT_CHANNEL_FLAG_... */
+    uint32_t ruptures;
+    uint32_t layers;
+    uint32_t tool;     /* index in the snapshot */
+    uint32_t reserved; /* 0 */
+    uint32_t reserved_2;
+    double entry[3];
+    double axis[3];
+    double radius; /* m: of the hole, that of the tool */
+    double depth;
+    double deepest;
+    double inside;
+    double friction;
+    double tip;
+} dpt_snapshot_channel;
+
 /*
  * Read one item. DPT_E_ARGUMENT: there is none with this index; the item is empty then. The errors of
  * dpt_snapshot_get_info.
@@ -219,6 +243,8 @@ DPT_API dpt_result dpt_snapshot_get_segment(const void *block, size_t bytes, uin
 DPT_API dpt_result dpt_snapshot_get_contact(const void *block, size_t bytes, uint32_t index,
                                             dpt_snapshot_contact *contact);
 DPT_API dpt_result dpt_snapshot_get_strip(const void *block, size_t bytes, uint32_t index, dpt_snapshot_strip *strip);
+DPT_API dpt_result dpt_snapshot_get_channel(const void *block, size_t bytes, uint32_t index,
+                                            dpt_snapshot_channel *channel);
 
 /*
  * Copy vertices, in the frame of their body, in the order of dpt_mesh_get_vertices.

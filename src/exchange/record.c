@@ -35,9 +35,11 @@ static const struct {
     uint32_t at, count, bytes; /* at: in the struct; bytes: of a word */
 } words[] = { { offsetof(dpt_record, number), 7, 8 },
               { offsetof(dpt_record, flags), 14, 4 },
-              { offsetof(dpt_record, pose), 47, 8 } };
+              { offsetof(dpt_record, pose), 47, 8 },
+              { offsetof(dpt_record, depth), 2, 8 },
+              { offsetof(dpt_record, ruptures), 2, 4 } };
 
-enum { TICK_BYTES = AT_NUMBER + 7 * 8 + 14 * 4 + 47 * 8 };
+enum { FIRST_TICK_BYTES = AT_NUMBER + 7 * 8 + 14 * 4 + 47 * 8, TICK_BYTES = FIRST_TICK_BYTES + 2 * 8 + 2 * 4 };
 
 static uint64_t get(const unsigned char *from, uint32_t bytes)
 {
@@ -208,11 +210,11 @@ static void put_tick(const struct crc32 *crc, const dpt_record *record, unsigned
 
 static void get_tick(const unsigned char *from, dpt_record *record)
 {
-    const unsigned char *word = from + AT_NUMBER;
+    const unsigned char *word = from + AT_NUMBER, *end = from + get4(from + AT_BYTES);
     record->device = get4(from + AT_DEVICE);
     for (size_t run = 0; run < sizeof words / sizeof *words; run++) {
         unsigned char *to = (unsigned char *)record + words[run].at;
-        for (uint32_t i = 0; i < words[run].count; i++, word += words[run].bytes) {
+        for (uint32_t i = 0; i < words[run].count && word < end; i++, word += words[run].bytes) {
             const uint64_t wide = get(word, words[run].bytes);
             const uint32_t narrow = (uint32_t)wide;
             if (words[run].bytes == sizeof wide)
@@ -230,16 +232,16 @@ dpt_result dpt_record_write(const dpt_record *records, uint32_t count, void *byt
     if (!records || !bytes || !written)
         return DPT_E_ARGUMENT;
     if (count > 0)
-        DPT_TRY(sized_check(records, sizeof *records, 1));
+        DPT_TRY(sized_check(records, SIZED_FIRST(dpt_record, depth), 1));
     if (count > capacity / TICK_BYTES)
         return DPT_E_MEMORY;
     const uint32_t stride = count > 0 ? sized_of(records) : 0;
     dpt_record record = { .size = sizeof record };
     for (uint32_t i = 0; i < count; i++)
-        DPT_TRY(sized_take(sized_item(records, i), stride, sizeof record, &record, sizeof record));
+        DPT_TRY(sized_take(sized_item(records, i), stride, SIZED_FIRST(dpt_record, depth), &record, sizeof record));
     crc32_init(&crc);
     for (uint32_t i = 0; i < count; i++) {
-        sized_take(sized_item(records, i), stride, sizeof record, &record, sizeof record);
+        sized_take(sized_item(records, i), stride, SIZED_FIRST(dpt_record, depth), &record, sizeof record);
         put_tick(&crc, &record, to + (size_t)i * TICK_BYTES);
     }
     *written = (size_t)count * TICK_BYTES;
@@ -253,7 +255,7 @@ static dpt_result check_layout(const unsigned char *from, size_t size)
         return DPT_E_TRUNCATED;
     const size_t bytes = get4(from + AT_BYTES);
     if (bytes < AT_NEXT || bytes % 8 != 0 || bytes > DPT_RECORD_BYTES_MAX ||
-        (get4(from + AT_KIND) == KIND_TICK && bytes < TICK_BYTES))
+        (get4(from + AT_KIND) == KIND_TICK && bytes < FIRST_TICK_BYTES))
         return DPT_E_LAYOUT;
     return size < bytes ? DPT_E_TRUNCATED : DPT_OK;
 }
@@ -265,7 +267,7 @@ dpt_result dpt_record_read(const void *bytes, size_t size, size_t *at, dpt_recor
     struct crc32 crc;
     if (!bytes || !at || !records || !count || *at > size)
         return DPT_E_ARGUMENT;
-    DPT_TRY(sized_check(records, sizeof *records, 1));
+    DPT_TRY(sized_check(records, SIZED_FIRST(dpt_record, depth), 1));
     const uint32_t stride = sized_of(records);
     size_t next = *at;
     dpt_result result = DPT_OK;

@@ -43,6 +43,10 @@ static const struct {
       { offsetof(dpt_snapshot_strip, triangle), 4 },
       { offsetof(dpt_snapshot_strip, gap), 2 } },
     { 0, 0, { 0, 0 }, { 0, 0 } },
+    { sizeof(dpt_snapshot_channel),
+      sizeof(dpt_snapshot_channel),
+      { offsetof(dpt_snapshot_channel, id), 8 },
+      { offsetof(dpt_snapshot_channel, entry), 12 } },
 };
 
 static uint32_t get4(const unsigned char *from)
@@ -209,6 +213,12 @@ static int holds_together(const struct block *block)
         if (contact.tool >= block->section[SNAPSHOT_TOOLS].count)
             return 0;
     }
+    for (uint32_t i = 0; i < block->section[SNAPSHOT_CHANNELS].count; i++) {
+        dpt_snapshot_channel channel;
+        read_item(block, SNAPSHOT_CHANNELS, i, &channel);
+        if (channel.tool >= block->section[SNAPSHOT_TOOLS].count)
+            return 0;
+    }
     return 1;
 }
 
@@ -218,7 +228,7 @@ dpt_result dpt_snapshot_get_info(const void *bytes, size_t size, dpt_snapshot_in
     if (!info)
         return DPT_E_ARGUMENT;
     dpt_snapshot_info found = { .size = sizeof found };
-    DPT_TRY(sized_check(info, sizeof found, 0));
+    DPT_TRY(sized_check(info, SIZED_FIRST(dpt_snapshot_info, channels), 0));
     sized_write(info, info->size, &found, sizeof found);
     DPT_TRY(open_block(bytes, size, &block));
     if (!holds_together(&block))
@@ -235,6 +245,7 @@ dpt_result dpt_snapshot_get_info(const void *bytes, size_t size, dpt_snapshot_in
     found.contacts = block.section[SNAPSHOT_CONTACTS].count;
     found.strip = block.section[SNAPSHOT_STRIPS].count;
     found.vertices = block.section[SNAPSHOT_VERTICES].count;
+    found.channels = block.section[SNAPSHOT_CHANNELS].count;
     sized_write(info, info->size, &found, sizeof found);
     return DPT_OK;
 }
@@ -283,6 +294,12 @@ dpt_result dpt_snapshot_get_strip(const void *block, size_t bytes, uint32_t inde
 {
     dpt_snapshot_strip item = { .size = sizeof item };
     return get(block, bytes, SNAPSHOT_STRIPS, index, &item, strip);
+}
+
+dpt_result dpt_snapshot_get_channel(const void *block, size_t bytes, uint32_t index, dpt_snapshot_channel *channel)
+{
+    dpt_snapshot_channel item = { .size = sizeof item };
+    return get(block, bytes, SNAPSHOT_CHANNELS, index, &item, channel);
 }
 
 dpt_result dpt_snapshot_get_vertices(const void *bytes, size_t size, uint32_t first, uint32_t count, float *xyz)

@@ -38,12 +38,13 @@ enum snapshot_kind {
     SNAPSHOT_CONTACTS,
     SNAPSHOT_STRIPS,
     SNAPSHOT_VERTICES,
+    SNAPSHOT_CHANNELS,
     SNAPSHOT_KINDS_END
 };
 
 /* Bytes of an item of a kind, and in the first snapshots. */
-static const uint32_t snapshot_stride[SNAPSHOT_KINDS_END] = { 0, 80, 304, 224, 144, 32, 12 };
-static const uint32_t snapshot_first_stride[SNAPSHOT_KINDS_END] = { 0, 80, 248, 224, 144, 32, 12 };
+static const uint32_t snapshot_stride[SNAPSHOT_KINDS_END] = { 0, 80, 304, 224, 144, 32, 12, 128 };
+static const uint32_t snapshot_first_stride[SNAPSHOT_KINDS_END] = { 0, 80, 248, 224, 144, 32, 12, 128 };
 
 static inline void snapshot_put4(unsigned char *to, uint32_t value)
 {

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "base/return_if_error.h"
+#include "scene/scene_needle.h"
 #include "scene/setting_words.h"
 
 /*
@@ -150,6 +151,15 @@ static void count_puts(struct host_puts *puts, const struct scene *scene)
     puts->inside += force->reason == DPT_FORCE_INSIDE || force->reason == DPT_FORCE_UNDECIDED;
 }
 
+static void count_needle(struct host_counts *counts, const struct scene *scene)
+{
+    const struct scene_needle needle = scene_get_needle(scene);
+    if (needle.ruptures > counts->open_walls && (scene->force_info.flags & DPT_FORCE_FLAG_RUPTURE))
+        counts->ruptures += needle.ruptures - counts->open_walls;
+    counts->open_walls = needle.ruptures;
+    counts->needle_depth_max = fmax(counts->needle_depth_max, needle.depth);
+}
+
 static void count(struct host_session *session, const dpt_loop_sample *sample, const dpt_wrench *wrench)
 {
     struct host_counts *counts = &session->counts;
@@ -157,6 +167,7 @@ static void count(struct host_session *session, const dpt_loop_sample *sample, c
     dpt_hit hit = DPT_HIT_INIT;
     double square = 0.0;
     count_puts(&counts->puts, scene);
+    count_needle(counts, scene);
     scene_get_hit(scene, &hit);
     counts->reasons |= sample->state->reasons;
     counts->contacts += hit.contact != DPT_CONTACT_SEPARATED;

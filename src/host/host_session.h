@@ -30,10 +30,13 @@ struct host_puts {
 /* What the ticks count. Begin with zeros. */
 struct host_counts {
     uint64_t contacts, penetrating, unknown, clutched;
-    uint64_t stopped; /* ticks in which the device had stopped itself */
-    uint32_t reasons; /* why the device was not ready, DPT_REASON_... */
-    double depth_max; /* m */
-    double force_max; /* N at the hand, before the guard */
+    uint64_t stopped;        /* ticks in which the device had stopped itself */
+    uint32_t reasons;        /* why the device was not ready, DPT_REASON_... */
+    double depth_max;        /* m */
+    double force_max;        /* N at the hand, before the guard */
+    double needle_depth_max; /* m: of a needle's tip */
+    uint64_t ruptures;       /* walls that a needle has pierced */
+    uint32_t open_walls;     /* of the channels that it was in in the last tick */
     struct scene_trouble trouble;
     struct host_puts puts;
 };

@@ -227,6 +227,14 @@ double dpti_channel_inside(const struct channel *channel, double tip)
     return inside;
 }
 
+uint32_t dpti_channel_layers(const struct channel *channel, double tip)
+{
+    uint32_t count = 0;
+    while (count < channel->layer_count && channel->layers[count].from < tip)
+        count++;
+    return count;
+}
+
 double dpti_channel_uncut(const struct channel *channel)
 {
     for (uint32_t i = 0; i < channel->layer_count; i++)

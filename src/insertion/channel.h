@@ -54,6 +54,9 @@ double dpti_channel_stop(const struct channel *channel, double clearance);
 /* m: of the shaft from the tip back that is inside of the body. */
 double dpti_channel_inside(const struct channel *channel, double tip);
 
+/* How many layers begin before the tip. */
+uint32_t dpti_channel_layers(const struct channel *channel, double tip);
+
 /*
  * The place from which on the tip cuts: the deepest where it has been, or where the next layer begins. HUGE_VAL: it
  * cuts no more.

@@ -8,6 +8,7 @@
 
 #include "base/return_if_error.h"
 #include "platform/clock.h"
+#include "scene/scene_needle.h"
 
 static dpt_result open_recorder(struct scene_record *record, const dpt_record_header *header, int waits,
                                 dpt_host_error *error)
@@ -122,6 +123,7 @@ void record_answers(dpt_record *record, const struct scene *scene, dpt_result re
     dpt_force_info force = { .size = sizeof force };
     scene_get_hit(scene, &hit);
     scene_get_force_info(scene, &force);
+    const struct scene_needle needle = scene_get_needle(scene);
     dpt_tool_get_proxy(scene->stage.world, scene->stage.tool, &record->proxy);
     record->flags |= DPT_RECORD_FLAG_FELT | (scene->bodies.is_held ? DPT_RECORD_FLAG_BODY_HELD : 0u);
     record->result = result;
@@ -137,6 +139,10 @@ void record_answers(dpt_record *record, const struct scene *scene, dpt_result re
     record->distance = hit.distance;
     record->gap = hit.gap;
     memcpy(record->point, hit.q, sizeof record->point);
+    record->depth = needle.depth;
+    record->inside = needle.inside;
+    record->ruptures = needle.ruptures;
+    record->layers = needle.layers;
 }
 
 dpt_loop_sample sample_of_record(const dpt_record *record, dpt_device_state *state, const dpt_device_info *info)

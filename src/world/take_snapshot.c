@@ -77,16 +77,24 @@ static void count_sections(struct taking *taking, const dpt_snapshot_def *def)
     count[SNAPSHOT_CONTACTS] = seen < def->max_contacts ? seen : def->max_contacts;
     count[SNAPSHOT_STRIPS] = strip < def->max_strip ? (uint32_t)strip : def->max_strip;
     count[SNAPSHOT_VERTICES] = (uint32_t)vertices;
+    for (uint32_t i = 0; world->channels && i < world->def.max_channels; i++)
+        count[SNAPSHOT_CHANNELS] += world->channels[i].body_id != 0;
     if (count[SNAPSHOT_CONTACTS] < seen && def->max_contacts)
         taking->flags |= DPT_SNAPSHOT_FLAG_CONTACTS_CUT;
     if (count[SNAPSHOT_STRIPS] < strip && def->max_strip)
         taking->flags |= DPT_SNAPSHOT_FLAG_STRIPS_CUT;
 }
 
+/* Without room for channels a snapshot is as it was before there were any. */
+static uint32_t kinds_end(const struct taking *taking)
+{
+    return taking->world->channels ? SNAPSHOT_KINDS_END : SNAPSHOT_CHANNELS;
+}
+
 static void place_sections(struct taking *taking)
 {
-    uint64_t at = SNAPSHOT_HEADER_BYTES + (uint64_t)(SNAPSHOT_KINDS_END - 1) * SNAPSHOT_ENTRY_BYTES;
-    for (uint32_t kind = 1; kind < SNAPSHOT_KINDS_END; kind++) {
+    uint64_t at = SNAPSHOT_HEADER_BYTES + (uint64_t)(kinds_end(taking) - 1) * SNAPSHOT_ENTRY_BYTES;
+    for (uint32_t kind = 1; kind < kinds_end(taking); kind++) {
         taking->offset[kind] = at;
         at += ((uint64_t)taking->count[kind] * snapshot_stride[kind] + 7) / 8 * 8;
     }
@@ -241,6 +249,33 @@ static void put_strip(struct taking *taking, uint32_t index, uint32_t number)
     }
 }
 
+/* The channels that a tool has made. */
+static void put_channels(struct taking *taking, const struct tool *tool, uint32_t id)
+{
+    const struct dpt_world *world = taking->world;
+    for (uint32_t i = 0; world->channels && i < world->def.max_channels; i++) {
+        if (!world->channels[i].body_id || world->channels[i].tool_id != id)
+            continue;
+        const dpt_channel channel = dpti_tool_channel(world, tool, &world->channels[i]);
+        dpt_snapshot_channel item = { .id = channel.id,
+                                      .body = channel.body,
+                                      .triangle = channel.triangle,
+                                      .flags = channel.flags,
+                                      .ruptures = channel.ruptures,
+                                      .layers = channel.layers,
+                                      .tool = taking->done[SNAPSHOT_TOOLS],
+                                      .radius = world->channels[i].radius,
+                                      .depth = channel.depth,
+                                      .deepest = channel.deepest,
+                                      .inside = channel.inside,
+                                      .friction = channel.friction,
+                                      .tip = channel.tip };
+        memcpy(item.entry, channel.entry, sizeof item.entry);
+        memcpy(item.axis, channel.axis, sizeof item.axis);
+        put(taking, SNAPSHOT_CHANNELS, &item);
+    }
+}
+
 /* The edges of a tool's tips, as further segments with the tip's hit; what names a tip names its first edge. */
 static void put_tips(struct taking *taking, const struct tool *tool, dpt_snapshot_tool *item)
 {
@@ -292,6 +327,7 @@ static void put_tool(struct taking *taking, const struct tool *tool)
         put_strip(taking, tool->first_segment + i, i);
     }
     put_tips(taking, tool, &item);
+    put_channels(taking, tool, item.id);
     item.contacts = taking->done[SNAPSHOT_CONTACTS] - item.first_contact;
     item.strip = taking->done[SNAPSHOT_STRIPS] - item.first_strip;
     put(taking, SNAPSHOT_TOOLS, &item);
@@ -310,9 +346,9 @@ static void put_header(struct taking *taking)
     snapshot_put8(to + SNAPSHOT_AT_STEPS, world->steps);
     snapshot_put8(to + SNAPSHOT_AT_TIME, time);
     snapshot_put4(to + SNAPSHOT_AT_FLAGS, taking->flags);
-    snapshot_put4(to + SNAPSHOT_AT_SECTIONS, SNAPSHOT_KINDS_END - 1);
+    snapshot_put4(to + SNAPSHOT_AT_SECTIONS, kinds_end(taking) - 1);
     snapshot_put4(to + SNAPSHOT_AT_WORK, world->work.done);
-    for (uint32_t kind = 1; kind < SNAPSHOT_KINDS_END; kind++) {
+    for (uint32_t kind = 1; kind < kinds_end(taking); kind++) {
         unsigned char *entry = to + SNAPSHOT_HEADER_BYTES + (kind - 1) * SNAPSHOT_ENTRY_BYTES;
         snapshot_put4(entry + SNAPSHOT_AT_KIND, kind);
         snapshot_put4(entry + SNAPSHOT_AT_COUNT, taking->count[kind]);
@@ -341,6 +377,7 @@ size_t dpt_snapshot_bytes(const dpt_world *world, const dpt_snapshot_def *given)
     read_def(given, &def);
     taking.count[SNAPSHOT_CONTACTS] = def.max_contacts;
     taking.count[SNAPSHOT_STRIPS] = world->def.strip ? def.max_strip : 0;
+    taking.count[SNAPSHOT_CHANNELS] = world->def.max_channels;
     place_sections(&taking);
     return taking.bytes <= SIZE_MAX ? (size_t)taking.bytes : 0;
 }

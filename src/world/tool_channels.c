@@ -5,10 +5,10 @@
 #include "base/sized.h"
 #include "proxy/channel_line.h"
 #include "proxy/proxy_channel.h"
+#include "world/tool_results.h"
 #include "world/world_members.h"
 
-static dpt_channel channel_for_user(const struct dpt_world *world, const struct tool *tool,
-                                    const struct channel *channel)
+dpt_channel dpti_tool_channel(const struct dpt_world *world, const struct tool *tool, const struct channel *channel)
 {
     const struct body *body = dpti_channel_body(world, channel);
     const struct channel_line line = dpti_channel_line(world, channel);
@@ -28,6 +28,7 @@ static dpt_channel channel_for_user(const struct dpt_world *world, const struct 
             continue;
         made.flags = DPT_CHANNEL_FLAG_OCCUPIED;
         made.depth = in->place - channel->entry;
+        made.layers = dpti_channel_layers(channel, in->place);
         made.inside = dpti_channel_inside(channel, in->place);
         made.friction = in->friction;
         made.tip = in->tip;
@@ -53,7 +54,7 @@ dpt_result dpt_tool_get_channels(const dpt_world *world, dpt_tool tool, dpt_chan
         if (!channel->body_id || channel->tool_id != tool)
             continue;
         if (*count < capacity) {
-            const dpt_channel made = channel_for_user(world, found, channel);
+            const dpt_channel made = dpti_tool_channel(world, found, channel);
             sized_write((char *)channels + (size_t)*count * channels->size, channels->size, &made, sizeof made);
         }
         ++*count;

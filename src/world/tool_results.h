@@ -3,6 +3,8 @@
 #ifndef DPT_TOOL_RESULTS_H
 #define DPT_TOOL_RESULTS_H
 
+#include "dynpoint/insertion.h"
+#include "insertion/channel.h"
 #include "track/world_state.h"
 
 /* Write the hit of a segment that has an answer; the hit of another one stays as it is. */
@@ -22,6 +24,9 @@ void dpti_tool_read_hits(const struct dpt_world *world, struct tool *tool);
 
 /* What dpt_tool_get_force_info tells. */
 dpt_force_info dpti_tool_force_info(const struct dpt_world *world, const struct tool *tool);
+
+/* What dpt_tool_get_channels tells of a channel that the tool has made. */
+dpt_channel dpti_tool_channel(const struct dpt_world *world, const struct tool *tool, const struct channel *channel);
 
 /* Make all answers of a tool stale, and its wrench zero. */
 void dpti_tool_clear(struct dpt_world *world, struct tool *tool);

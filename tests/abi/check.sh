@@ -196,7 +196,7 @@ verdict $? "it names every public struct and constant"
 awk '/^typedef struct dpt_[a-z_]+ {$|^struct dpt_[a-z_]+ {$/ { sub(/ {$/, ""); sub(/.* /, ""); name = $0; next }
     name != "" && /^ *uint32_t size;/ { print name } { name = "" }' "$scratch/public.h" >"$scratch/sized"
 for name in $(grep -vxE 'dpt_loop_sample|dpt_selftest_line|dpt_identify_progress|dpt_driver' "$scratch/sized"); do
-    grep -rqE "\"(its )?$name[ \"]" tests/arm tests/base tests/compile tests/convex tests/deform tests/drivers tests/host tests/hull tests/proxy tests/urdf tests/world || echo "  $name"
+    grep -rqE "\"(its )?$name[ \"]" tests/arm tests/base tests/compile tests/convex tests/deform tests/drivers tests/host tests/hull tests/insertion tests/proxy tests/urdf tests/world || echo "  $name"
 done >"$scratch/unasked"
 cat "$scratch/unasked"
 [ "$(wc -l <"$scratch/sized")" -gt 30 ] && [ ! -s "$scratch/unasked" ]

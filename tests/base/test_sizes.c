@@ -245,7 +245,7 @@ static const struct sized outputs[] = {
     { "dpt_tool_settings", offsetof(dpt_tool_settings, piercing), sizeof(dpt_tool_settings), tool_settings },
     { "dpt_force_info", sizeof(dpt_force_info), sizeof(dpt_force_info), tool_force },
     { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), record_header },
-    { "dpt_record", sizeof(dpt_record), sizeof(dpt_record), record },
+    { "dpt_record", offsetof(dpt_record, depth), sizeof(dpt_record), record },
     { "dpt_hit of a query", sizeof(dpt_hit), sizeof(dpt_hit), query_hit },
 };
 
@@ -454,7 +454,7 @@ static const struct {
     { { "dpt_passivity_sample", sizeof(dpt_passivity_sample), sizeof(dpt_passivity_sample), passivity_sample },
       &a_passivity_sample },
     { { "dpt_record_header", sizeof(dpt_record_header), sizeof(dpt_record_header), write_header }, &a_record_header },
-    { { "dpt_record", sizeof(dpt_record), sizeof(dpt_record), write_record }, &a_record },
+    { { "dpt_record", offsetof(dpt_record, depth), sizeof(dpt_record), write_record }, &a_record },
     { { "dpt_shadow", sizeof(dpt_shadow), sizeof(dpt_shadow), shadow }, &a_shadow },
     { { "dpt_query_def", sizeof(dpt_query_def), sizeof(dpt_query_def), query_def }, &a_query_def },
     { { "dpt_arm_def", offsetof(dpt_arm_def, jaw_count), sizeof(dpt_arm_def), arm_def }, &an_arm_def },

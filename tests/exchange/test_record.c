@@ -306,7 +306,8 @@ static dpt_record golden_record(uint32_t k)
     return record;
 }
 
-enum { GOLDEN_RECORDS = 3 };
+/* Records of 0.2 have 504 bytes, and nothing from `depth` on. */
+enum { GOLDEN_RECORDS = 3, GOLDEN_BYTES = 504, RECORD_PREFIX = 12 };
 
 /* The bytes of golden records, and half of one more. */
 static size_t write_golden_records(unsigned char *bytes, size_t room)
@@ -319,7 +320,7 @@ static size_t write_golden_records(unsigned char *bytes, size_t room)
     return written - dpt_record_bytes() / 2;
 }
 
-/* tests/golden/recording_1.dpr is what `test_record write` wrote. */
+/* tests/golden/recording_1.dpr is what `test_record write` of 0.2 wrote. */
 static int write_golden(void)
 {
     static unsigned char bytes[ROOM];
@@ -347,12 +348,15 @@ static void the_golden_file_stays_readable(void)
           "header");
     const size_t begin = at;
     CHECK(dpt_record_read(bytes, size, &at, records, 4, &count) == DPT_OK && count == 3, "%u records", count);
-    CHECK(size == at + dpt_record_bytes() / 2, "%zu bytes", size);
-    CHECK(write_golden_records(again, ROOM) == size - begin && !memcmp(again, bytes + begin, size - begin),
-          "other bytes are written");
+    CHECK(size == at + GOLDEN_BYTES / 2, "%zu bytes", size);
+    CHECK(write_golden_records(again, ROOM) > 0, "write");
     for (uint32_t k = 0; k < count; k++) {
-        const dpt_record expected = golden_record(k);
+        dpt_record expected = golden_record(k);
+        memset((unsigned char *)&expected + offsetof(dpt_record, depth), 0, sizeof expected - offsetof(dpt_record, depth));
         CHECK(!memcmp(&records[k], &expected, sizeof expected), "record %u", k);
+        CHECK(!memcmp(again + k * dpt_record_bytes() + RECORD_PREFIX, bytes + begin + k * GOLDEN_BYTES + RECORD_PREFIX,
+                      GOLDEN_BYTES - RECORD_PREFIX),
+              "record %u: other bytes are written", k);
     }
     CHECK(dpt_record_read(bytes, size, &at, records, 4, &count) == DPT_E_TRUNCATED, "the fourth");
 }

@@ -42,7 +42,7 @@ BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
 ForceInfo = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"), (c_double, "body_work"))
 ToolLoad = struct("dpt_tool_load", (c_uint32, "size body segment contact triangle reserved"), (double3, "point force torque"))
-Channel = struct("dpt_channel", (c_uint32, "size id body triangle flags ruptures"), (double3, "weight entry axis"),
+Channel = struct("dpt_channel", (c_uint32, "size id body triangle flags ruptures layers reserved"), (double3, "weight entry axis"),
                  (c_double, "depth deepest inside friction tip"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
                  (c_double, "s0 s1 s gap"), (double3, "p q normal weight"),
@@ -82,7 +82,8 @@ Record = struct("dpt_record", (c_uint32, "size device"), (c_uint64, "number sequ
                 (c_double, "dt"), (c_uint32, "flags"), (c_int32, "result"),
                 (c_uint32, "status reasons code buttons fresh commands force_reason force_flags hit_status contact"
                            " hit_flags triangle"), (Pose, "pose"), (double3, "velocity spin"), (c_double * 8, "joint"),
-                (Wrench, "asked sent"), (Pose, "proxy"), (c_double, "distance gap energy lag"), (double3, "point"))
+                (Wrench, "asked sent"), (Pose, "proxy"), (c_double, "distance gap energy lag"), (double3, "point"),
+                (c_double, "depth inside"), (c_uint32, "ruptures layers"))
 Identified = struct("dpt_identified", (c_double, "value low high"))
 IdentifyResult = struct("dpt_identify_result", (c_uint32, "size end flags measured"),
                         (c_uint64, "samples lost late doubled"), (c_double, "rate jitter jitter_max"),

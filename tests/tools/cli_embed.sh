@@ -4,7 +4,7 @@
 # `sh tests/tools/cli_embed.sh BUILD [part]`.
 . "$(dirname "$0")/cli.sh"
 
-record_bytes=504
+record_bytes=528
 ticks=300
 arm=arm.dpa
 
@@ -246,7 +246,7 @@ elif change == "between":
     ticks = bytes(front)
     write(pieces)
     data = open("forged.dpr", "rb").read()
-    half = len(front) - 504 * 100
+    half = len(front) - 528 * 100
     open("forged.dpr", "wb").write(ticks[:half] + data[len(front) :] + ticks[half:])
 elif change == "flip":
     data = bytearray(file)

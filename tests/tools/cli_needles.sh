@@ -22,6 +22,22 @@ succeeds 'a needle' run "$sample" --ticks 3000 --record needle.dpr
 succeeds 'as a table' record csv needle.dpr -o needle.csv
 check 'no rupture' test "$(flagged needle.csv 512)" -gt 0
 check 'it is hardly in' test "$(flagged needle.csv 1024)" -gt 500
+# column FILE NAME: least and most of a column.
+column()
+{
+    awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) at = i; next }
+$at + 0 > most { most = $at } END { printf "%.6f\n", most }' "$1"
+}
+
+check 'how deep it is' awk -v d="$(column needle.csv depth)" 'BEGIN { exit !(d > 0.005 && d < 0.1) }'
+check 'what is inside' test "$(column needle.csv inside)" = "$(column needle.csv depth)"
+check "one wall: $(column needle.csv ruptures)" test "$(column needle.csv ruptures)" = 1.000000
+check "one layer: $(column needle.csv layers)" test "$(column needle.csv layers)" = 1.000000
+succeeds 'what is in it' record info needle.dpr
+check "it is told: $(cat stdout)" grep -q "a needle was $(awk -v d="$(column needle.csv depth)" \
+    'BEGIN { printf "%.2f", 1000 * d }') mm in; walls opened in [1-9]" stdout
+succeeds 'a report' run "$sample" --ticks 3000 --json
+check "ruptures are told: $(cat stdout)" grep -q '"ruptures":[1-9][0-9]*,"needle_depth":0\.0[0-9]*,' stdout
 succeeds 'its replay' replay needle.dpr
 check "other bits: $(cat stdout)" grep -q ': 3000 ticks, all the same bits$' stdout
 

@@ -4,7 +4,7 @@
 # `sh tests/tools/cli_recordings.sh BUILD`.
 . "$(dirname "$0")/cli.sh"
 
-record_bytes=504
+record_bytes=528
 
 # json NAME: a number of the last report in JSON
 json()
@@ -101,24 +101,25 @@ rows = [row.split(",") for row in open("wipe.csv").read().splitlines()]
 columns = rows.pop(0)
 u64 = "number sequence time_ns sent_ns late_ns took_ns".split()
 u32 = ("flags result status reasons code buttons fresh commands force_reason force_flags hit_status contact hit_flags"
-       " triangle").split()
+       " triangle ruptures layers").split()
 f64 = ("x y z qw qx qy qz vx vy vz wx wy wz " + " ".join("joint%d" % i for i in range(8)) +
        " asked_fx asked_fy asked_fz asked_tx asked_ty asked_tz sent_fx sent_fy sent_fz sent_tx sent_ty sent_tz"
-       " proxy_x proxy_y proxy_z proxy_qw proxy_qx proxy_qy proxy_qz distance gap energy lag point_x point_y point_z").split()
+       " proxy_x proxy_y proxy_z proxy_qw proxy_qx proxy_qy proxy_qz distance gap energy lag point_x point_y point_z depth inside").split()
 at = header_bytes
 for row in rows:
     kind, size, crc, device = struct.unpack_from("<4I", file, at)
-    assert kind == 1 and size == 504 and zlib.crc32(file[at : at + 8] + bytes(4) + file[at + 12 : at + size]) == crc
-    numbers = struct.unpack_from("<6Qd14I47d", file, at + 16)
+    assert kind == 1 and size == 528 and zlib.crc32(file[at : at + 8] + bytes(4) + file[at + 12 : at + size]) == crc
+    numbers = struct.unpack_from("<6Qd14I49d2I", file, at + 16)
+    numbers = numbers[:21] + numbers[70:] + numbers[21:70]
     told = dict(zip(u64 + ["dt"] + u32 + f64, numbers), device=device)
     for name, word in zip(columns, row):
         assert float(word) == told[name] if name in f64 + ["dt"] else int(word) == told[name], name
     at += size
 assert at == len(file) and len(rows) == 3000
 forged = bytearray(file)
-begin = header_bytes + 504 * 2000
+begin = header_bytes + 528 * 2000
 forged[begin + 16 + 56 + 56 + 8 * 22] ^= 1
-forged[begin + 8 : begin + 12] = struct.pack("<I", zlib.crc32(forged[begin : begin + 8] + bytes(4) + forged[begin + 12 : begin + 504]))
+forged[begin + 8 : begin + 12] = struct.pack("<I", zlib.crc32(forged[begin : begin + 8] + bytes(4) + forged[begin + 12 : begin + 528]))
 open("forged.dpr", "wb").write(forged)
 PYTHON
     check "read in another language: $(tail -n 1 python.out)" test ! -s python.out
@@ -134,7 +135,7 @@ damage()
 {
     size=$(wc -c <wipe.dpr)
     header_bytes=$((size - 3000 * record_bytes))
-    for cut in 1 100 503 504 505 1000000; do
+    for cut in 1 100 527 528 529 1000000; do
         head -c $((size - cut)) wipe.dpr >cut.dpr
         left=$(((size - cut - header_bytes) / record_bytes))
         succeeds "cut by $cut" replay cut.dpr --json

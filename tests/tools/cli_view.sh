@@ -4,7 +4,7 @@
 # `sh tests/tools/cli_view.sh BUILD`.
 . "$(dirname "$0")/cli.sh"
 
-record_bytes=504
+record_bytes=528
 
 help()
 {

@@ -15,6 +15,7 @@ const {
   rays,
   hand,
   readouts,
+  channelView,
 } = scripts(
   "checked_reading",
   "snapshot_reader",
@@ -26,6 +27,8 @@ const {
   "rays",
   "hand",
   "depths",
+  "capsule_batch",
+  "channel_view",
   "readouts",
 );
 const { readMessage, splitStream, decodeText, misfit } = messageReader;
@@ -168,6 +171,48 @@ async function whatIsRead() {
       splitStream(bytes).messages.map(one => Buffer.from(one)),
       [known.scene, known.frame(0), known.end],
     );
+  });
+  await check("channels are read, and told of the tool that is in them", () => {
+    const channel = (flags, tool, ruptures, layers, numbers) =>
+      pack([
+        ["u32", [3, 11, 5, flags, ruptures, layers, tool, 0]],
+        ["f64", [0.1, 0.2, 0.3, 0, 0, -1, 0.0006, ...numbers, 1.5, 0.4]],
+      ]);
+    const channels = Buffer.concat([
+      channel(1, 0, 2, 1, [0.03, 0.04, 0.02]),
+      channel(1, 0, 1, 1, [0.01, 0.01, 0.01]),
+      channel(0, 0, 1, 1, [0, 0.05, 0]),
+    ]);
+    const tools = tool => [7, 3, 128, Buffer.concat([channels.subarray(0, 24), pack([["u32", [tool]]]), channels.subarray(28)])];
+    const of = tool => {
+      const sections = fixture.toolSections(150, [...known.meshes[0].sources]);
+      return readMessage(alone(frameMessage(0, snapshot(1, 0, [...sections, tools(tool)]))));
+    };
+    const { snapshot: got } = of(0);
+    near(
+      [got.channels[0].entry, got.channels[0].axis, got.channels[0].radius, got.channels[0].depth].flat(),
+      [0.1, 0.2, 0.3, 0, 0, -1, 0.0006, 0.03],
+      1e-15,
+    );
+    const { needleDepth, needleInside, needleThrough } = readouts.texts(of(0), 0, { drawnRate: 0 });
+    assert.deepStrictEqual(
+      [needleDepth, needleInside, needleThrough],
+      ["30.00 mm", "30.00 mm", "3 walls, 2 layers"],
+    );
+    assert.strictEqual(channelView.texts(frameAt(150).snapshot, 0).needleDepth, "\u2013");
+    const segment = { proxyA: [0, 0, 0], proxyB: [0, 0, 0.02] };
+    assert.deepStrictEqual(
+      got.channels.map(one => channelView.stretchesOf(one, segment)).map(({ shaft, empty }) => [shaft, empty]),
+      [
+        [
+          [0.03 - 0.02, 0.03],
+          [0.03, 0.04],
+        ],
+        [[0, 0.01], null],
+        [null, [0, 0.05]],
+      ],
+    );
+    assert.match(of(1).refused ?? "it was read", /channel belongs to a tool/);
   });
   await check("larger items and kinds that are not known are read over", () => {
     const vertices = pack([["f32", [1, 2, 3, 99, 4, 5, 6, 99]]]);

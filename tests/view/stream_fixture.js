@@ -305,7 +305,8 @@ function stripOf({ positions, corners }) {
   return strip;
 }
 
-function recording(options = {}) {
+// options: of the scene; more: sections that each snapshot has beside its own
+function recording({ more = [], ...options } = {}) {
   const meshes = [
     { name: "ring", ...ring() },
     { name: "ball", ...ball() },
@@ -315,7 +316,11 @@ function recording(options = {}) {
   const frame = i =>
     frameMessage(
       i,
-      snapshot(Math.ceil((1000 * i) / RATE), i / RATE, [...bodySections(i, meshes[1]), ...toolSections(i, sources)]),
+      snapshot(Math.ceil((1000 * i) / RATE), i / RATE, [
+        ...bodySections(i, meshes[1]),
+        ...toolSections(i, sources),
+        ...more,
+      ]),
       ticksOf(i),
     );
   return { meshes, strip, scene: sceneMessage(meshes, options), frame, end: endMessage("The recording is whole.") };
@@ -350,7 +355,20 @@ function stream(options) {
   return streamOf([scene, ...Array.from({ length: FRAMES }, (_, i) => frame(i)), end]);
 }
 
+// A section of one channel, of the first tool in the first body: numbers are depth, deepest, inside.
+const channelSection = (flags, entry, axis, radius, numbers) => [
+  7,
+  1,
+  128,
+  pack([
+    ["u32", [1, 11, 0, flags, 1, 1, 0, 0]],
+    ["f64", [...entry, ...axis, radius, ...numbers, 0, 0]],
+  ]),
+];
+
 module.exports = {
+  channelSection,
+  toolSections,
   RING,
   BALL,
   TOOL,

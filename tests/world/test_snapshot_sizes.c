@@ -25,7 +25,7 @@ static dpt_result info(void *out)
 }
 
 static const struct sized outputs[] = {
-    { "dpt_snapshot_info", sizeof(dpt_snapshot_info), sizeof(dpt_snapshot_info), info },
+    { "dpt_snapshot_info", offsetof(dpt_snapshot_info, channels), sizeof(dpt_snapshot_info), info },
     { "dpt_snapshot_body", sizeof(dpt_snapshot_body), sizeof(dpt_snapshot_body), body },
     { "dpt_snapshot_tool", offsetof(dpt_snapshot_tool, end), sizeof(dpt_snapshot_tool), tool },
     { "dpt_snapshot_segment", sizeof(dpt_snapshot_segment), sizeof(dpt_snapshot_segment), segment },

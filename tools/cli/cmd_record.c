@@ -59,6 +59,9 @@ struct record_counts {
     uint64_t cut_byte;
     uint64_t first_ns, last_ns, late_max_ns, took_max_ns;
     double asked_max, sent_max; /* N */
+    double depth_max;           /* m: of a needle */
+    uint64_t ruptures;          /* ticks in which walls opened before a needle */
+    uint32_t open_walls;        /* before it in the last tick */
     uint64_t next;              /* number of the next record */
     struct recording_embed embed;
 };
@@ -87,6 +90,9 @@ static void count_record(struct record_counts *counts, const dpt_record *record)
     counts->took_max_ns = later_of(counts->took_max_ns, record->took_ns);
     counts->asked_max = fmax(counts->asked_max, vec3_length(record->asked.force));
     counts->sent_max = fmax(counts->sent_max, vec3_length(record->sent.force));
+    counts->depth_max = fmax(counts->depth_max, record->depth);
+    counts->ruptures += record->ruptures > counts->open_walls && (record->force_flags & DPT_FORCE_FLAG_RUPTURE);
+    counts->open_walls = record->ruptures;
 }
 
 /* Count a record, or what is there instead of one. Returns 0 at the end. */
@@ -143,6 +149,8 @@ static void print_text(const char *path, const dpt_record_header *header, const 
            c->contact, c->lost);
     printf("  strongest asked %.3f N, sent %.3f N; latest tick %.1f us, longest step %.1f us\n", c->asked_max,
            c->sent_max, 1e-3 * (double)c->late_max_ns, 1e-3 * (double)c->took_max_ns);
+    if (c->depth_max > 0.0)
+        printf("  a needle was %.2f mm in; walls opened in %" PRIu64 " ticks\n", 1e3 * c->depth_max, c->ruptures);
     if (c->missing)
         printf("  %" PRIu64 " records are missing, in %" PRIu64 " gaps\n", c->missing, c->gaps);
     if (c->damages)
@@ -194,6 +202,7 @@ static void print_json(const char *path, const dpt_record_header *header, const 
                     { "damaged_bytes", c->damaged_bytes },
                     { "first_damage", c->first_damage },
                     { "cut_byte", c->cut_byte },
+                    { "ruptures", c->ruptures },
                     { "began_ns", header->began_ns },
                     { "first_ns", c->first_ns },
                     { "last_ns", c->last_ns },
@@ -207,8 +216,8 @@ static void print_json(const char *path, const dpt_record_header *header, const 
     const struct {
         const char *name;
         double value;
-    } forces[] = { { "asked_max", c->asked_max }, { "sent_max", c->sent_max } };
-    for (size_t i = 0; i < 2; i++) {
+    } forces[] = { { "asked_max", c->asked_max }, { "sent_max", c->sent_max }, { "needle_depth", c->depth_max } };
+    for (size_t i = 0; i < 3; i++) {
         if (isfinite(forces[i].value))
             printf(",\"%s\":%.17g", forces[i].name, forces[i].value);
         else

@@ -167,6 +167,9 @@ static void print_json(const struct session *session, const dpt_loop_stats *s, c
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         printf("%s\"%s\":%" PRIu64, i ? "," : "", numbers[i].name, numbers[i].value);
     printf(",\"deepest\":%.17g,\"strongest\":%.17g", session->host.counts.depth_max, session->host.counts.force_max);
+    if (session->host.scene.piercing)
+        printf(",\"ruptures\":%" PRIu64 ",\"needle_depth\":%.17g", session->host.counts.ruptures,
+               session->host.counts.needle_depth_max);
     print_coupling_json(session);
     run_puts_print(&session->host.counts.puts, 1);
     printf(",\"tip_error\":%.17g,\"tips_unproven\":%" PRIu64, scene_tip_error(&session->host.scene),
@@ -211,6 +214,9 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     }
     printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
            session->host.counts.contacts, 1e3 * session->host.counts.depth_max, session->host.counts.force_max);
+    if (session->host.scene.piercing)
+        printf("  the needle: %" PRIu64 " ruptures, at most %.2f mm in\n", session->host.counts.ruptures,
+               1e3 * session->host.counts.needle_depth_max);
     if (session->host.counts.unknown)
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->host.counts.unknown,
                session->host.budget);

@@ -206,6 +206,8 @@ const struct record_field record_fields[] = {
     ANSWER("hit_flags", hit_flags, WORD_U32), ANSWER("triangle", triangle, WORD_U32),
     ANSWER("distance", distance, WORD_F64), ANSWER("gap", gap, WORD_F64),
     PART("point_x", point, 0), PART("point_y", point, 1), PART("point_z", point, 2),
+    ANSWER("depth", depth, WORD_F64), ANSWER("inside", inside, WORD_F64),
+    ANSWER("ruptures", ruptures, WORD_U32), ANSWER("layers", layers, WORD_U32),
     PART("proxy_x", proxy, 0), PART("proxy_y", proxy, 1), PART("proxy_z", proxy, 2),
     PART("proxy_qw", proxy, 3), PART("proxy_qx", proxy, 4), PART("proxy_qy", proxy, 5), PART("proxy_qz", proxy, 6),
     U64("late_ns", late_ns), U64("took_ns", took_ns)

@@ -188,12 +188,15 @@ static void take(void)
 static void read_one(size_t bytes, int is_sound)
 {
     const uint32_t index = draw_below(12);
-    const uint32_t kind = draw_below(6);
+    const uint32_t kind = draw_below(7);
     const int no_out = draw_one_in(30);
     static const uint32_t today[] = { sizeof(dpt_snapshot_info),    sizeof(dpt_snapshot_body),
                                       sizeof(dpt_snapshot_tool),    sizeof(dpt_snapshot_segment),
-                                      sizeof(dpt_snapshot_contact), sizeof(dpt_snapshot_strip) };
-    const uint32_t first = kind == 2 ? (uint32_t)offsetof(dpt_snapshot_tool, end) : today[kind];
+                                      sizeof(dpt_snapshot_contact), sizeof(dpt_snapshot_strip),
+                                      sizeof(dpt_snapshot_channel) };
+    const uint32_t first = kind == 0   ? (uint32_t)offsetof(dpt_snapshot_info, channels)
+                           : kind == 2 ? (uint32_t)offsetof(dpt_snapshot_tool, end)
+                                       : today[kind];
     const uint32_t size = draw_size(first, today[kind]);
     struct codes codes = { .count = 0 };
     void *given = output_sized(0, size), *out = no_out ? NULL : given;
@@ -217,8 +220,11 @@ static void read_one(size_t bytes, int is_sound)
     case 4:
         result = RESULT(dpt_snapshot_get_contact, kept, bytes, index, out);
         break;
-    default:
+    case 5:
         result = RESULT(dpt_snapshot_get_strip, kept, bytes, index, out);
+        break;
+    default:
+        result = RESULT(dpt_snapshot_get_channel, kept, bytes, index, out);
         break;
     }
     may_fail(&codes, no_out, DPT_E_ARGUMENT);

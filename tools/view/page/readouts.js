@@ -74,6 +74,7 @@ const readouts = (() => {
       reason: reasonOf(tool, last),
       held: heldOf(snapshot),
       coupling: last && tool?.law === PROXY ? millimetres(last.depth) : "\u2013",
+      ...channelView.texts(snapshot, index),
       energy: tool ? fixed(1e3 * tool.energy, 3, "mJ") : "\u2013",
       triangle: segment && segment.triangle !== snapshotReader.NONE ? String(segment.triangle) : "\u2013",
       status: segment ? word(STATUS, segment.status) : "\u2013",

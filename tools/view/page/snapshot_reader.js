@@ -49,6 +49,13 @@ const snapshotReader = (() => {
       least: 32,
       fields: fieldsOf("triangle u32 0, body u32 4, segment u32 8, flags u32 12, gap f64 16, overlap f64 24"),
     },
+    channels: {
+      kind: 7,
+      least: 128,
+      fields: fieldsOf(`id u32 0, body u32 4, triangle u32 8, flags u32 12, ruptures u32 16, layers u32 20, tool u32 24,
+        entry f64 32 3, axis f64 56 3, radius f64 80, depth f64 88, deepest f64 96, inside f64 104, friction f64 112,
+        tip f64 120`),
+    },
   };
   const VERTICES = { kind: 6, least: 12 };
 
@@ -99,7 +106,7 @@ const snapshotReader = (() => {
 
   const inside = (first, count, all) => count === 0 || first + count <= all;
 
-  function checkRanges({ bodies, tools, segments, contacts, strips, vertices }) {
+  function checkRanges({ bodies, tools, segments, contacts, strips, channels, vertices }) {
     for (const body of bodies) {
       demand(
         body.firstVertex === NONE || inside(body.firstVertex, body.vertices, vertices.length / 3),
@@ -118,6 +125,7 @@ const snapshotReader = (() => {
       demand(inside(tool.firstStrip, tool.strips, strips.length), "A tool's strip ends behind the snapshot's.");
     }
     for (const { tool } of segments) demand(tool < tools.length, "A segment belongs to a tool that is not there.");
+    for (const { tool } of channels) demand(tool < tools.length, "A channel belongs to a tool that is not there.");
     for (const { tool, segment } of contacts)
       demand(
         tool < tools.length && segment < tools[tool].segments,

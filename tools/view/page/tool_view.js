@@ -64,7 +64,16 @@ const toolView = (() => {
       this.marks = new CapsuleBatch([
         material(THREE.MeshBasicMaterial, 6, { transparent: true, depthTest: false, depthWrite: false }),
       ]);
-      this.batches = [this.dress, this.proxy, this.clearProxy, this.bands, this.device, this.marks];
+      this.channels = new channelView.ChannelView();
+      this.batches = [
+        this.dress,
+        this.proxy,
+        this.clearProxy,
+        this.bands,
+        this.device,
+        this.marks,
+        ...this.channels.batches,
+      ];
       this.objects = this.batches.flatMap(batch => batch.meshes);
       this.arrows = [];
       this.rods = []; // what casts shadows
@@ -84,6 +93,7 @@ const toolView = (() => {
           this.addSegment(segment, colours, camera, segment === first ? clearOf(segment, scales) : 0);
         if (scales.look) for (const tool of snapshot.tools) this.addDress(snapshot, tool, colours, scales);
         for (const contact of snapshot.contacts) this.addContact(snapshot, contact, camera, scales);
+        this.channels.add(snapshot, colours, camera);
         for (const tool of snapshot.tools) this.addTool(snapshot, tool, colours, camera, scales);
       }
       for (const batch of this.batches) batch.end();
