@@ -52,7 +52,7 @@ async function drawn(browser) {
       }
   });
   await check("its numbers stand beside, where there is a needle in", () => {
-    assert.deepStrictEqual(texts.in, ["20.00 mm", "20.00 mm", "1 walls, 1 layers"]);
+    assert.deepStrictEqual(texts.in, ["20.00 mm", "20.00 mm", "1, 1"]);
     assert.deepStrictEqual([texts.none, texts.out], [[], []]);
   });
 }

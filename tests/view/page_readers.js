@@ -197,7 +197,7 @@ async function whatIsRead() {
     const { needleDepth, needleInside, needleThrough } = readouts.texts(of(0), 0, { drawnRate: 0 });
     assert.deepStrictEqual(
       [needleDepth, needleInside, needleThrough],
-      ["30.00 mm", "30.00 mm", "3 walls, 2 layers"],
+      ["30.00 mm", "30.00 mm", "3, 2"],
     );
     assert.strictEqual(channelView.texts(frameAt(150).snapshot, 0).needleDepth, "\u2013");
     const segment = { proxyA: [0, 0, 0], proxyB: [0, 0, 0.02] };

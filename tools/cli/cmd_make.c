@@ -10,6 +10,7 @@
 #include "cli/complete.h"
 #include "cli/json_text.h"
 #include "scene/shape.h"
+#include "shape/insert_hand.h"
 #include "shape/mesh_file.h"
 #include "shape/trace_hand.h"
 #include "text/parse_number.h"
@@ -199,21 +200,45 @@ int command_make(int argc, char **argv)
     return make_one(words[0], (uint64_t)count, seed, path, json);
 }
 
-/* dynpoint make trace: a hand slides a tool over a mesh (trace_hand.h). */
+/* dynpoint make trace: a hand slides a tool over a mesh (trace_hand.h), or inserts a needle (insert_hand.h). */
 
 static const char help[] =
     "usage: dynpoint make trace --mesh FILE.dpa -o TRACE.csv [--seed S] [--ticks N]\n"
     "                           [--length L] [--band B] [--speed V]\n"
+    "       dynpoint make trace --insert --mesh FILE.dpa -o TRACE.csv [--seed S] [--ticks N]\n"
+    "                           [--length L] [--depth D] [--speed V]\n"
     "\n"
-    "A tool sliding over the mesh, 1 ms a tick, for dynpoint replay.\n"
+    "A tool sliding over the mesh, 1 ms a tick, for dynpoint replay. Or with --insert a needle, its tip\n"
+    "end a, for run --device replay:TRACE.csv: it goes in against the surface's normal, pauses for 0.5 s,\n"
+    "is drawn out on the same line, and goes in again.\n"
     "\n"
+    "  --insert    a needle that goes in\n"
     "  --seed S    default 1\n"
-    "  --ticks N   default 20000\n"
-    "  --length L  of the tool, m; default 0.3 for a mesh with a diagonal of 0.35 m, scaled with it\n"
+    "  --ticks N   default 20000; with --insert those of two insertions\n"
+    "  --length L  of the tool, m; default 0.3, of a needle 0.1, for a mesh with a diagonal of 0.35 m,\n"
+    "              scaled with it\n"
     "  --band B    how far above and below the surface it is held, m; default 0.005, scaled\n"
-    "  --speed V   mean speed over the surface, m/s; default 0.3, scaled\n";
+    "  --depth D   of a needle's tip beneath the surface where it pauses, m; default 0.03, scaled\n"
+    "  --speed V   mean speed over the surface, m/s; default 0.3, scaled. Of a needle on its way; default\n"
+    "              0.02, scaled\n";
 
-static int write_trace(struct trace_hand *hand, uint64_t ticks, const char *out)
+#define TICKS_UNSET UINT64_MAX
+
+/* One of them moves the tool. */
+struct trace_mover {
+    struct trace_hand *hand;
+    struct insert_hand *needle;
+};
+
+static void move_tool(const struct trace_mover *mover, double ends[6])
+{
+    if (mover->needle)
+        insert_hand_move(mover->needle, ends);
+    else
+        trace_hand_move(mover->hand, ends);
+}
+
+static int write_trace(const struct trace_mover *mover, uint64_t ticks, const char *out)
 {
     struct output output;
     struct meter meter = { .began = 0 };
@@ -225,7 +250,7 @@ static int write_trace(struct trace_hand *hand, uint64_t ticks, const char *out)
         double ends[6];
         if (tick % 1024 == 0)
             meter_show(&meter, "make trace", (double)tick / (double)ticks);
-        trace_hand_move(hand, ends);
+        move_tool(mover, ends);
         fprintf(output.file, "%" PRIu64 ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", tick, ends[0], ends[1], ends[2],
                 ends[3], ends[4], ends[5]);
     }
@@ -237,8 +262,10 @@ int command_make_trace(int argc, char **argv)
 {
     const char *mesh_path = NULL, *out = NULL, *operand;
     struct trace_hand hand;
-    double length = 0.0, band = 0.0, speed = 0.0;
-    uint64_t ticks = 20000, seed = 1;
+    struct insert_hand needle;
+    double length = 0.0, band = 0.0, depth = 0.0, speed = 0.0;
+    uint64_t ticks = TICKS_UNSET, seed = 1;
+    int is_needle = 0;
     size_t operands;
     static char whole_name[] = "make trace";
     argv[0] = whole_name;
@@ -247,7 +274,9 @@ int command_make_trace(int argc, char **argv)
         { .name = "-o", .text = &out, .kind = VALUE_FILE },
         { .name = "--seed", .count = &seed },
         { .name = "--ticks", .count = &ticks },
+        { .name = "--insert", .flag = &is_needle },
         { .name = "--length", .number = &length },
+        { .name = "--depth", .number = &depth },
         { .name = "--band", .number = &band },
         { .name = "--speed", .number = &speed },
     };
@@ -265,15 +294,21 @@ int command_make_trace(int argc, char **argv)
     const double limit = DPT_COORDINATE_MAX;
     if (!ticks)
         return complain("make trace", "--ticks must be 1 or more");
-    if (!(length >= 0.0 && length <= limit) || !(band >= 0.0 && band <= limit) || !(speed >= 0.0 && speed <= limit))
-        return complain("make trace", "--length, --band and --speed must be 0 to 1e6");
+    if (!(length >= 0.0 && length <= limit) || !(band >= 0.0 && band <= limit) || !(speed >= 0.0 && speed <= limit) ||
+        !(depth >= 0.0 && depth <= limit))
+        return complain("make trace", "--length, --band, --depth and --speed must be 0 to 1e6");
+    if (is_needle ? band > 0.0 : depth > 0.0)
+        return complain("make trace", is_needle ? "--band is for a tool that slides" : "--depth is for --insert");
 
     void *bytes;
     const dpt_mesh *mesh = load_mesh("make trace", mesh_path, &bytes);
     if (!mesh)
         return 2;
-    trace_hand_begin(&hand, mesh, seed, length, band, speed);
-    status = write_trace(&hand, ticks, out);
+    trace_hand_begin(&hand, mesh, seed, is_needle ? 0.0 : length, band, is_needle ? 0.0 : speed);
+    insert_hand_begin(&needle, &hand, length, depth, speed);
+    if (ticks == TICKS_UNSET)
+        ticks = is_needle ? 2 * insert_hand_ticks(&needle) : 20000;
+    status = write_trace(&(struct trace_mover){ &hand, is_needle ? &needle : NULL }, ticks, out);
     free(bytes);
     return status;
 }

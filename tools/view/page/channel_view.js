@@ -30,7 +30,7 @@ const channelView = (() => {
     return {
       needleDepth: millimetres(Math.max(...own.map(({ depth }) => depth))),
       needleInside: millimetres(sum("inside")),
-      needleThrough: `${sum("ruptures")} walls, ${sum("layers")} layers`,
+      needleThrough: `${sum("ruptures")}, ${sum("layers")}`,
     };
   }
 
