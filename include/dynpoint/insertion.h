@@ -26,8 +26,8 @@
  * that move meet. Then it counts as inside until it has been outside. A hole ends with its body, which a teleport of the
  * body ends too, and with its tool or that tool's size (dpt_tool_set_segments). dpt_world_reset closes all holes.
  *
- * A wall ruptures in a step whose budget is enough to find all walls behind it (insertion.md has what that takes).
- * Until then it holds, with DPT_FORCE_FLAG_BEHIND.
+ * A wall ruptures when all walls behind it are found (insertion.md has what that takes). A small budget takes several
+ * steps for that. Until then it holds, with DPT_FORCE_FLAG_BEHIND.
  *
  * Threads: as for the world.
  */

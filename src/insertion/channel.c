@@ -2,11 +2,8 @@
 #include "insertion/channel.h"
 
 #include "dynpoint/types.h"
-#include "nearest/bvh.h"
 
 #include <string.h>
-
-enum { CROSSINGS_MAX = 2 * CHANNEL_LAYERS_MAX + 2 };
 
 /* Steps to where a ball begins to touch a triangle, at most, and m: a shorter one is not made. */
 enum { STEPS_MAX = 24 };
@@ -16,33 +13,15 @@ enum { STEPS_MAX = 24 };
 #define SAME_SHARE 1e-6
 #define SAME_LEAST 1e-9
 
-/* Where the line goes through a triangle. */
-struct crossing {
-    double at;
-    int is_entering;
-    uint32_t triangle;
-    double weight[3];
-};
-
-/* What is found along a line, in ascending order. */
-struct line_search {
-    const struct surface *surface;
-    struct channel *channel;
-    double reach; /* m: so far the line is looked at, the whole body through */
-    double first; /* where the tip touches first */
-    uint32_t crossing_count;
-    struct crossing crossings[CROSSINGS_MAX];
-};
-
 static double same_of(const struct channel *channel)
 {
     return max_of(SAME_SHARE * channel->radius, SAME_LEAST);
 }
 
-static double distance2_at(const struct line_search *search, const vec3 v[3], double at)
+static double distance2_at(const struct channel_search *search, const vec3 v[3], double at)
 {
     pair nearest;
-    point_triangle(along(search->channel->mouth, at, search->channel->axis), v, &nearest);
+    point_triangle(along(search->channel.mouth, at, search->channel.axis), v, &nearest);
     return nearest.distance2;
 }
 
@@ -50,13 +29,13 @@ static double distance2_at(const struct line_search *search, const vec3 v[3], do
  * Where the ball begins to touch a triangle, from a place where it does not, by Newton's method. The distance is convex along
  * the line, so no step passes the border.
  */
-static double border_from(const struct line_search *search, const vec3 v[3], double apart)
+static double border_from(const struct channel_search *search, const vec3 v[3], double apart)
 {
     for (int i = 0; i < STEPS_MAX; i++) {
         pair nearest;
-        point_triangle(along(search->channel->mouth, apart, search->channel->axis), v, &nearest);
-        const double distance = sqrt(nearest.distance2), left = distance - search->channel->radius;
-        const double slope = distance > 0.0 ? dot(nearest.gap, search->channel->axis) / distance : 0.0;
+        point_triangle(along(search->channel.mouth, apart, search->channel.axis), v, &nearest);
+        const double distance = sqrt(nearest.distance2), left = distance - search->channel.radius;
+        const double slope = distance > 0.0 ? dot(nearest.gap, search->channel.axis) / distance : 0.0;
         const double step = slope != 0.0 ? left / slope : 0.0;
         if (!(left > 0.0) || !(fabs(step) > STEP_LEAST) || !(fabs(step) < search->reach))
             break;
@@ -66,9 +45,9 @@ static double border_from(const struct line_search *search, const vec3 v[3], dou
 }
 
 /* The first place from `from` on, by steps of `step` that double, where the ball does not touch. */
-static double apart_beyond(const struct line_search *search, const vec3 v[3], double from, double step)
+static double apart_beyond(const struct channel_search *search, const vec3 v[3], double from, double step)
 {
-    const double radius2 = search->channel->radius * search->channel->radius;
+    const double radius2 = search->channel.radius * search->channel.radius;
     double at = from + step;
     while (distance2_at(search, v, at) <= radius2 && fabs(step) < search->reach) {
         step *= 2.0;
@@ -102,19 +81,19 @@ static void add_wall(struct channel *channel, struct channel_stretch added)
 }
 
 /* Put a crossing among the others. Where the line meets an edge, each triangle there has the same one. */
-static void add_crossing(struct line_search *search, const struct crossing *added)
+static void add_crossing(struct channel_search *search, const struct channel_crossing *added)
 {
     uint32_t i = search->crossing_count;
     for (uint32_t k = 0; k < search->crossing_count; k++)
         if (search->crossings[k].is_entering == added->is_entering &&
-            fabs(search->crossings[k].at - added->at) < same_of(search->channel))
+            fabs(search->crossings[k].at - added->at) < same_of(&search->channel))
             return;
     while (i > 0 && search->crossings[i - 1].at > added->at)
         i--;
-    if (search->crossing_count == CROSSINGS_MAX) {
-        const double last = i == CROSSINGS_MAX ? added->at : search->crossings[CROSSINGS_MAX - 1].at;
-        search->channel->limit = min_of(search->channel->limit, last);
-        if (i == CROSSINGS_MAX)
+    if (search->crossing_count == CHANNEL_CROSSINGS_MAX) {
+        const double last = i == CHANNEL_CROSSINGS_MAX ? added->at : search->crossings[CHANNEL_CROSSINGS_MAX - 1].at;
+        search->channel.limit = min_of(search->channel.limit, last);
+        if (i == CHANNEL_CROSSINGS_MAX)
             return;
         search->crossing_count--;
     }
@@ -123,9 +102,9 @@ static void add_crossing(struct line_search *search, const struct crossing *adde
     search->crossing_count++;
 }
 
-static void look_at(struct line_search *search, uint32_t triangle)
+static void look_at(struct channel_search *search, uint32_t triangle)
 {
-    struct channel *channel = search->channel;
+    struct channel *channel = &search->channel;
     vec3 v[3];
     surface_corners(search->surface, triangle, v);
     const pair nearest =
@@ -135,7 +114,7 @@ static void look_at(struct line_search *search, uint32_t triangle)
         return;
     if (nearest.distance2 == 0.0) {
         const vec3 normal = dpti_surface_face_normal(search->surface, triangle);
-        struct crossing crossing = { at, dot(normal, channel->axis) < 0.0, triangle, { 0.0, 0.0, 0.0 } };
+        struct channel_crossing crossing = { at, dot(normal, channel->axis) < 0.0, triangle, { 0.0, 0.0, 0.0 } };
         memcpy(crossing.weight, nearest.weight, sizeof crossing.weight);
         add_crossing(search, &crossing);
     }
@@ -152,14 +131,14 @@ static void look_at(struct line_search *search, uint32_t triangle)
 }
 
 /* The stretches between where the line goes in and where it comes out again. */
-static void find_layers(struct line_search *search)
+static void find_layers(struct channel_search *search)
 {
-    struct channel *channel = search->channel;
+    struct channel *channel = &search->channel;
     int depth = 0;
     double from = 0.0;
     channel->layer_count = 0;
     for (uint32_t i = 0; i < search->crossing_count; i++) {
-        const struct crossing *crossing = &search->crossings[i];
+        const struct channel_crossing *crossing = &search->crossings[i];
         if (crossing->is_entering && depth++ == 0)
             from = crossing->at;
         if (crossing->is_entering || depth == 0 || --depth > 0)
@@ -171,10 +150,10 @@ static void find_layers(struct line_search *search)
     }
 }
 
-static void find_entry(struct line_search *search)
+static void find_entry(struct channel_search *search)
 {
-    struct channel *channel = search->channel;
-    const struct crossing *first = search->crossings;
+    struct channel *channel = &search->channel;
+    const struct channel_crossing *first = search->crossings;
     channel->entry = channel->wall_count ? channel->walls[0].from : 0.0;
     channel->is_from_inside = search->crossing_count && !first->is_entering;
     if (!search->crossing_count || !channel->wall_count || first->at > channel->walls[0].to)
@@ -184,30 +163,41 @@ static void find_entry(struct line_search *search)
     memcpy(channel->weight, first->weight, sizeof channel->weight);
 }
 
-int dpti_channel_lay(struct channel *channel, const struct surface *surface, const struct kernel *kernel,
-                     struct work *work)
+void dpti_channel_search_begin(struct channel_search *search, const struct channel *channel,
+                               const struct surface *surface, const struct kernel *kernel, struct work *work)
 {
     const vec3 centre = scaled(add(surface->box_min, surface->box_max), 0.5);
-    struct line_search search = { .surface = surface, .channel = channel, .first = HUGE_VAL };
-    struct range range;
-    int may_touch;
-    search.reach =
+    search->channel = *channel;
+    search->surface = surface;
+    search->first = HUGE_VAL;
+    search->is_begun = 1;
+    search->crossing_count = 0;
+    search->reach =
         max_of(channel->length, length(sub(channel->mouth, centre)) + surface->diagonal) + 2.0 * channel->radius;
-    channel->limit = channel->length;
-    channel->wall_count = channel->open_count = 0;
-    channel->deepest = 0.0;
-    dpti_range_begin(&range, surface, kernel, channel->mouth, scaled(channel->axis, search.reach), channel->radius,
-                     work);
+    search->channel.limit = channel->length;
+    search->channel.wall_count = search->channel.open_count = 0;
+    search->channel.deepest = 0.0;
+    dpti_range_begin(&search->range, surface, kernel, channel->mouth, scaled(channel->axis, search->reach),
+                     channel->radius, work);
+}
+
+int dpti_channel_search_on(struct channel_search *search)
+{
+    struct work *work = search->range.work;
+    int may_touch;
     for (;;) {
-        const uint32_t triangle = dpti_range_next(&range, &may_touch);
+        const uint32_t triangle = dpti_range_next(&search->range, &may_touch);
         if (triangle == DPT_NONE)
             break;
-        look_at(&search, triangle);
+        look_at(search, triangle);
         work_spend_between(work, 1);
     }
-    find_layers(&search);
-    find_entry(&search);
-    return !work_is_spent(work);
+    if (!dpti_range_is_over(&search->range))
+        return 0;
+    find_layers(search);
+    find_entry(search);
+    search->is_begun = 0;
+    return 1;
 }
 
 double dpti_channel_stop(const struct channel *channel, double clearance)

@@ -13,6 +13,7 @@
 #include "base/work.h"
 #include "kernel/kernel_ops.h"
 #include "mesh/surface.h"
+#include "nearest/bvh.h"
 
 enum { CHANNEL_WALLS_MAX = 16, CHANNEL_LAYERS_MAX = 8 };
 
@@ -39,14 +40,41 @@ struct channel {
     struct channel_stretch layers[CHANNEL_LAYERS_MAX]; /* likewise */
 };
 
+enum { CHANNEL_CROSSINGS_MAX = 2 * CHANNEL_LAYERS_MAX + 2 };
+
+/* Where the line goes through a triangle. */
+struct channel_crossing {
+    double at;
+    uint32_t is_entering;
+    uint32_t triangle;
+    double weight[3];
+};
+
+/* A search for what is along a line, that may take several ticks. */
+struct channel_search {
+    struct channel channel; /* as far as it is found */
+    const struct surface *surface;
+    struct range range; /* of the triangles that are still to be looked at */
+    double reach;       /* m: so far the line is looked at, the whole body through */
+    double first;       /* where the tip touches first */
+    uint32_t is_begun;
+    uint32_t crossing_count;
+    struct channel_crossing crossings[CHANNEL_CROSSINGS_MAX]; /* ascending */
+};
+
 /*
- * Find walls and layers along the line from channel->mouth along channel->axis, with channel->radius and ->length, of a
- * surface that does not deform. No wall is open then. Walls that the tip touches at once are one. A layer begins where
- * the line goes in and ends where it comes out; where it never comes out, as behind an open sheet, there is none.
- * Returns 0 if the work was spent before the end.
+ * Begin to find walls and layers along the line from channel->mouth along channel->axis, with channel->radius and
+ * ->length, of a surface that does not deform and stays where it is in memory.
  */
-int dpti_channel_lay(struct channel *channel, const struct surface *surface, const struct kernel *kernel,
-                     struct work *work);
+void dpti_channel_search_begin(struct channel_search *search, const struct channel *channel,
+                               const struct surface *surface, const struct kernel *kernel, struct work *work);
+
+/*
+ * Go on. Returns 0 if the work was spent before the end; else search->channel has all, and no wall of it is open. Walls
+ * that the tip touches at once are one. A layer begins where the line goes in and ends where it comes out; where it never
+ * comes out, as behind an open sheet, there is none.
+ */
+int dpti_channel_search_on(struct channel_search *search);
 
 /* Where the tip stands before the next wall, `clearance` m from touching it; or at the limit. */
 double dpti_channel_stop(const struct channel *channel, double clearance);

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "insertion/world_channels.h"
 
-enum { BYTES_CHANNEL = 640, BYTES_INSERTION = 448 };
+enum { BYTES_CHANNEL = 640, BYTES_INSERTION = 448, BYTES_SEARCH = 2176 };
 typedef char channel_fits[sizeof(struct channel) <= BYTES_CHANNEL ? 1 : -1];
 typedef char insertion_fits[sizeof(struct insertion) <= BYTES_INSERTION ? 1 : -1];
+typedef char search_fits[sizeof(struct channel_search) <= BYTES_SEARCH ? 1 : -1];
 
 uint64_t dpti_channels_bytes(const dpt_world_def *def)
 {
-    return def->max_channels ? BYTES_CHANNEL * (uint64_t)def->max_channels + BYTES_INSERTION * (uint64_t)def->max_tools
-                             : 0;
+    const uint64_t a_tool = BYTES_INSERTION + BYTES_SEARCH;
+    return def->max_channels ? BYTES_CHANNEL * (uint64_t)def->max_channels + a_tool * def->max_tools : 0;
 }
 
 char *dpti_channels_place(struct dpt_world *world, char *at)
@@ -17,7 +18,9 @@ char *dpti_channels_place(struct dpt_world *world, char *at)
     if (!def->max_channels)
         return at;
     world->channels = (void *)at;
-    world->insertions = (void *)(at + BYTES_CHANNEL * (size_t)def->max_channels);
+    char *insertions = at + BYTES_CHANNEL * (size_t)def->max_channels;
+    world->insertions = (void *)insertions;
+    world->channel_searches = (void *)(insertions + BYTES_INSERTION * (size_t)def->max_tools);
     return at + dpti_channels_bytes(def);
 }
 
@@ -75,8 +78,10 @@ void dpti_insertion_drop(struct insertion *insertion, uint32_t number)
 
 void dpti_insertion_forget(struct dpt_world *world, const struct tool *tool)
 {
-    if (world->channels)
-        memset(insertion_of(world, tool), 0, sizeof(struct insertion));
+    if (!world->channels)
+        return;
+    memset(insertion_of(world, tool), 0, sizeof(struct insertion));
+    channel_search_of(world, tool)->is_begun = 0;
 }
 
 /* A tool is let go where it is: there it is beside all bodies that it was not in. */
@@ -106,6 +111,9 @@ void dpti_channels_forget_body(struct dpt_world *world, uint32_t body_id)
     for (uint32_t i = 0; world->channels && i < world->def.max_channels; i++)
         if (world->channels[i].body_id == body_id)
             close_hole(world, i);
+    for (uint32_t i = 0; world->channels && i < world->tool_slot_end; i++)
+        if (world->channel_searches[i].channel.body_id == body_id)
+            world->channel_searches[i].is_begun = 0;
 }
 
 void dpti_channels_forget_tool(struct dpt_world *world, const struct tool *tool)
@@ -114,4 +122,6 @@ void dpti_channels_forget_tool(struct dpt_world *world, const struct tool *tool)
     for (uint32_t i = 0; world->channels && i < world->def.max_channels; i++)
         if (world->channels[i].body_id && world->channels[i].tool_id == id)
             close_hole(world, i);
+    if (world->channels)
+        channel_search_of(world, tool)->is_begun = 0;
 }

@@ -44,6 +44,12 @@ static inline struct insertion *insertion_of(const struct dpt_world *world, cons
     return &world->insertions[tool - world->tools];
 }
 
+/* The search for the walls behind one that its tip is about to rupture; only where the world has channels. */
+static inline struct channel_search *channel_search_of(const struct dpt_world *world, const struct tool *tool)
+{
+    return &world->channel_searches[tool - world->tools];
+}
+
 /* 1 if a tool is in a channel. */
 static inline int tool_is_inserted(const struct dpt_world *world, const struct tool *tool)
 {

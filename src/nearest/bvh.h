@@ -113,10 +113,16 @@ void dpti_range_begin(struct range *range, const struct surface *surface, const 
 
 /*
  * Returns the next triangle, by its place, or DPT_NONE if there is none. It also returns DPT_NONE if the work is spent:
- * then there may be more. No triangle within reach is left out; some out of reach may be returned. may_touch: 0 if the
+ * then there may be more, which come when there is work again. No triangle within reach is left out; some out of reach may be returned. may_touch: 0 if the
  * triangle is certainly not at distance 0.
  */
 uint32_t dpti_range_next(struct range *range, int *may_touch);
+
+/* 1 if all were returned. */
+static inline int dpti_range_is_over(const struct range *range)
+{
+    return range->level > range->surface->levels;
+}
 
 /* Instead: the next leaf of which a triangle may be within reach, or DPT_NONE likewise. They come in their order. */
 uint32_t dpti_range_next_leaf(struct range *range);

@@ -403,11 +403,11 @@ static uint32_t next_child(struct range *range, uint32_t last)
             range->level++;
             continue;
         }
+        if (level > last && work_is_spent(range->work))
+            return DPT_NONE;
         uint32_t lane = first_lane(range->lanes[level]);
         range->lanes[level] &= range->lanes[level] - 1;
         uint32_t child = range->node[level] * LANES + lane;
-        if (level > last && work_is_spent(range->work))
-            return DPT_NONE;
         if (level == last)
             return child;
         visit(range, level - 1, child);

@@ -115,6 +115,18 @@ double dpti_channel_offset(const struct channel_line *host, const struct channel
     return dot(sub(host->mouth, line->mouth), line->axis);
 }
 
+/* The cosine of the largest turn from a tool to the channel that it enters. */
+#define ALIGNED 0.9
+
+int dpti_is_at_mouth(const struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line)
+{
+    const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(tick->world, tick->tool));
+    const vec3 from = sub(tip, line->mouth);
+    const vec3 direction = frame_turn(&tick->at.frame, dpti_tip_direction(tick->world, tick->tool));
+    return dot(direction, line->axis) >= ALIGNED && length(cross(from, line->axis)) <= channel->radius &&
+           fabs(dot(from, line->axis)) <= 2.0 * channel->radius;
+}
+
 /* As a multiple of the clearance: so near before its mouth the tip is at a hole. */
 #define AT_MOUTH 4.0
 

@@ -60,6 +60,9 @@ int dpti_is_on_line(const struct proxy_tick *tick, const struct channel_line *ho
  */
 double dpti_channel_offset(const struct channel_line *host, const struct channel_line *line);
 
+/* Whether the tip is at the mouth of a hole, and points along it. */
+int dpti_is_at_mouth(const struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line);
+
 /* Whether a tool that is in channels has its tip at the mouth of another hole of its own on their line. */
 int dpti_is_at_own_hole(const struct proxy_tick *tick, const struct channel *channel);
 

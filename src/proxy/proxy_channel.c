@@ -398,24 +398,11 @@ static int is_worth_entering(struct proxy_tick *tick, const struct channel *chan
     return *rest > 0.0 && place > 0.0 && displacement_norm(coupling, &then) < displacement_norm(coupling, &now);
 }
 
-/* The cosine of the largest turn from a tool to the channel that it enters. */
-#define ALIGNED 0.9
-
-/* Whether the tip is at the mouth of a hole, and points along it. */
-static int is_at_mouth(const struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line)
-{
-    const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(tick->world, tick->tool));
-    const vec3 from = sub(tip, line->mouth);
-    const vec3 direction = frame_turn(&tick->at.frame, dpti_tip_direction(tick->world, tick->tool));
-    return dot(direction, line->axis) >= ALIGNED && length(cross(from, line->axis)) <= channel->radius &&
-           fabs(dot(from, line->axis)) <= 2.0 * channel->radius;
-}
-
 /* Go to the mouth of a hole, and in. */
 static int enter(struct proxy_tick *tick, const struct channel *channel, double allowed, double dt)
 {
     const struct channel_line line = dpti_channel_line(tick->world, channel);
-    if (!is_at_mouth(tick, channel, &line))
+    if (!dpti_is_at_mouth(tick, channel, &line))
         return 0;
     const struct proxy_pose from = tick->at;
     const struct quaternion turn = dpti_turn_along(tick->world, tick->tool, &line, from.turn);

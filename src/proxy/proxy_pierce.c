@@ -13,6 +13,9 @@
  */
 #define TOUCHING 4.0
 
+/* Units that a search for walls may take in a tick, whatever the budget. */
+enum { SEARCH_LEAST = 4 };
+
 /* N: the tip's push along its axis, in the open or in channels. */
 static double push_of(const struct proxy_tick *tick)
 {
@@ -58,19 +61,29 @@ static int may_pierce(const struct proxy_tick *tick, uint32_t slot, vec3 tip)
            !dpti_is_inserted_in(world, tick->tool, body->id) && !is_at_hole_of(tick, body);
 }
 
-/* Lay a channel from where a point in the world is, along the tool's axis. Returns 0 if a budget ended the search. */
-static int lay(struct dpt_world *world, const struct tool *tool, const struct frame *frame, const struct body *body,
-               vec3 mouth, double length, struct channel *channel)
+/* Begin to lay a channel from where a point in the world is, along the tool's axis. */
+static void begin_search(struct dpt_world *world, const struct tool *tool, const struct frame *frame,
+                         const struct body *body, vec3 mouth, double length, struct channel_search *search)
 {
-    memset(channel, 0, sizeof *channel);
-    channel->mouth = frame_to_local(&body->frame, mouth);
-    channel->axis = unit_of(frame_turn_back(&body->frame, frame_turn(frame, dpti_tip_direction(world, tool))));
-    channel->radius = world->segments[tool->first_segment].radius;
-    channel->length = length;
-    return dpti_channel_lay(channel, &body->surface, &world->kernel, &world->work);
+    struct channel channel = { .body_id = body->id };
+    channel.mouth = frame_to_local(&body->frame, mouth);
+    channel.axis = unit_of(frame_turn_back(&body->frame, frame_turn(frame, dpti_tip_direction(world, tool))));
+    channel.radius = world->segments[tool->first_segment].radius;
+    channel.length = length;
+    dpti_channel_search_begin(search, &channel, &body->surface, &world->kernel, &world->work);
 }
 
-/* If a budget ended a search for walls, it begins again in the next tick. */
+/* Whether a search that an earlier tick began is for a line at whose mouth the tip still is. */
+static int is_search_of(const struct proxy_tick *tick, const struct channel_search *search, const struct body *body)
+{
+    const struct channel *channel = &search->channel;
+    if (!search->is_begun || channel->body_id != body->id)
+        return 0;
+    const struct channel_line line = dpti_channel_line(tick->world, channel);
+    return dpti_is_at_mouth(tick, channel, &line);
+}
+
+/* If a budget ended a search for walls, the next tick goes on with it. */
 static void wait_for_work(struct proxy_tick *tick)
 {
     if (!work_is_spent(&tick->world->work))
@@ -90,44 +103,67 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
     const double stiffness = dpti_stiffness_on(tool, first ? dpti_channel_body(world, first) : body);
     if (!(push >= rupture_force(&body->pierce, radius, stiffness)))
         return 0;
-    struct channel found, *channel = dpti_channel_free(world);
+    struct channel *channel = dpti_channel_free(world);
+    struct channel_search *search = channel_search_of(world, tool);
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
-    if (!is_touching(world, body, tip, radius + TOUCHING * tick->clearance) ||
-        !lay(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), &found)) {
+    const int is_older = is_search_of(tick, search, body);
+    /* Without work for that the search itself tells whether it touches. */
+    const int is_asked = !is_older && work_left(&world->work) >= WORK_COUNTED_ON;
+    if (is_asked && !is_touching(world, body, tip, radius + TOUCHING * tick->clearance)) {
         wait_for_work(tick);
         return 0;
     }
-    if (!found.wall_count || !(found.walls[0].from > 0.0 && found.walls[0].from <= TOUCHING * tick->clearance))
+    if (!is_older)
+        begin_search(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), search);
+    if (!dpti_channel_search_on(search)) {
+        wait_for_work(tick);
+        return 0;
+    }
+    const struct channel *found = &search->channel;
+    if (!found->wall_count || !(found->walls[0].from > 0.0 && found->walls[0].from <= TOUCHING * tick->clearance))
         return 0;
     if (!channel || insertion->count == INSERTION_CHANNELS_MAX) {
         tick->proxy->flags |= DPT_FORCE_FLAG_CHANNELS_FULL;
         return 0;
     }
-    *channel = found;
+    *channel = *found;
     channel->open_count = 1;
     dpti_channel_open(world, channel, body, tool);
-    dpti_insertion_add(world, tool, channel, 0.0);
+    /* The tip may have moved since the search began: it goes into the hole as into any other. */
+    if (!is_older)
+        dpti_insertion_add(world, tool, channel, 0.0);
     insertion->is_dropping = 1;
+    tick->proxy->flags |= DPT_FORCE_FLAG_RUPTURE;
+    if (is_older) {
+        tick->tool->has_changed = 1;
+        return 1;
+    }
     dpti_proxy_forget_triangles(tick->proxy, body->id);
     dpti_patches_forget(world, tool);
     tick->proxy->is_behind |= body->stiffness > 0.0;
-    tick->proxy->flags |= DPT_FORCE_FLAG_RUPTURE;
     return 1;
 }
 
 void dpti_proxy_pierce(struct proxy_tick *tick)
 {
-    const struct dpt_world *world = tick->world;
+    struct dpt_world *world = tick->world;
     const struct tool *tool = tick->tool;
     if (!tool->piercing || tool->is_free || tick->proxy->state != PROXY_OUTSIDE || tick->is_waiting || tick->is_before)
         return;
+    struct insertion *insertion = insertion_of(world, tool);
+    insertion->is_dropping = insertion->is_dropping && insertion->count > 0;
     const double push = push_of(tick);
     if (!(push > 0.0))
         return;
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
+    const struct work before = world->work;
+    /* However small the budget, the search goes on by a little: else a wall would hold for good. */
+    if (work_left(&world->work) < SEARCH_LEAST)
+        world->work.limit = world->work.done + SEARCH_LEAST;
     for (uint32_t slot = 0; slot < world->body_slot_end; slot++)
         if (may_pierce(tick, slot, tip) && pierce(tick, &world->bodies[slot], push))
-            return;
+            break;
+    world->work.limit = before.limit;
 }
 
 /* The mouth is moved along the line by `way`. */
@@ -161,7 +197,10 @@ static int lay_through(struct dpt_world *world, const struct tool *tool, const s
     const vec3 direction = frame_turn(frame, dpti_tip_direction(world, tool));
     const vec3 rear = along(frame_to_world(frame, dpti_tip_point(world, tool)), -length, direction);
     struct channel *channel = &put->channel;
-    lay(world, tool, frame, body, rear, 2.0 * length, channel);
+    struct channel_search search;
+    begin_search(world, tool, frame, body, rear, 2.0 * length, &search);
+    dpti_channel_search_on(&search);
+    *channel = search.channel;
     while (channel->open_count < channel->wall_count && channel->walls[channel->open_count].from <= length)
         channel->open_count++;
     if (!channel->open_count)

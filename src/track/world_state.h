@@ -447,13 +447,14 @@ struct dpt_world {
     struct suspended_search *suspended_searches; /* two per segment */
     struct distance_bound *distance_bounds;      /* per segment and body slot */
     struct point_cache point_cache;
-    struct motion_backlog *motion_backlogs; /* per segment */
-    struct persistent_contacts contacts[2]; /* this tick's and last tick's */
-    struct segment_strip *segment_strips;   /* per segment; only with strips */
-    struct proxy *proxies;                  /* one a tool; only where the world responds */
-    struct proxy_patch *patches;            /* likewise, one a segment */
-    struct channel *channels;               /* def.max_channels of them; NULL: nothing can be pierced */
-    struct insertion *insertions;           /* one a tool, with channels alone */
+    struct motion_backlog *motion_backlogs;  /* per segment */
+    struct persistent_contacts contacts[2];  /* this tick's and last tick's */
+    struct segment_strip *segment_strips;    /* per segment; only with strips */
+    struct proxy *proxies;                   /* one a tool; only where the world responds */
+    struct proxy_patch *patches;             /* likewise, one a segment */
+    struct channel *channels;                /* def.max_channels of them; NULL: nothing can be pierced */
+    struct insertion *insertions;            /* one a tool, with channels alone */
+    struct channel_search *channel_searches; /* likewise: for the walls behind one that is about to rupture */
     uint32_t last_channel_id;
     struct load_note *loads; /* of the last step; a tool's in the order of its law */
     uint32_t load_count;

@@ -215,20 +215,64 @@ static void a_budget_is_no_wall(void)
     needle_close(&needle);
 }
 
-/* A wall holds while the budget is too small to find those behind it, and a flag says so. */
-static void a_budget_that_finds_no_walls(void)
+enum { FINE_TRIANGLES = 12 * 40 * 40, SMALL_BUDGET = 6, REST = 2000 };
+
+/* How a needle came into a box of many triangles. */
+struct pierced {
+    dpt_channel channel; /* id 0: it did not */
+    int waited;          /* ticks that are flagged as behind before it is in */
+    uint32_t most;       /* units of a tick */
+};
+
+/* The hand goes 4 mm down and rests there, but for a tremor, until the needle is in. */
+static struct pierced pierce_fine(uint32_t budget, double tremor)
 {
     struct needle_rig needle;
+    struct solid fine;
+    struct pierced pierced = { .channel.id = 0 };
     const dpt_body_settings gel = needle_gel();
-    needle_open_within(&needle, &gel, 1, 4, 0);
-    int flagged = 0;
-    needle_go(&needle, 0.004, 0.02);
-    for (int i = 0; i < 200; i++) {
+    dpt_world_info info = { .size = sizeof info };
+    needle_open_within(&needle, NULL, 1, budget, 0);
+    dpt_body_remove(needle.rig.world, needle.rig.body);
+    CHECK(solid_from_shape(&fine, "box", FINE_TRIANGLES), "no box");
+    const dpt_body body = rig_add_body(&needle.rig, fine.mesh, NULL);
+    CHECK(dpt_body_set_settings(needle.rig.world, body, &gel) == DPT_OK, "settings");
+    rig_place(&needle.rig);
+    for (int rested = 0; rested < REST && !needle_channels(&needle, NULL, 0);) {
+        const int rests = needle.depth >= 0.004;
+        needle.depth += rests ? (++rested % 2 ? tremor : -tremor) : 2e-5;
         needle_step(&needle);
-        flagged += (needle.rig.force.flags & DPT_FORCE_FLAG_BEHIND) != 0;
+        pierced.waited += (needle.rig.force.flags & DPT_FORCE_FLAG_BEHIND) != 0;
     }
-    CHECK(needle_channels(&needle, NULL, 0) == 0 && flagged == 200, "%d of 200 ticks have the flag", flagged);
+    dpt_world_get_info(needle.rig.world, &info);
+    pierced.most = info.work;
+    for (int i = 0; i < REST; i++)
+        needle_step(&needle);
+    if (needle_channels(&needle, NULL, 0))
+        pierced.channel = needle_channel(&needle);
+    solid_close(&fine);
     needle_close(&needle);
+    return pierced;
+}
+
+/*
+ * A small budget finds the walls of a fine box in several ticks, in which the wall holds. Then it ruptures where it would
+ * have with any budget.
+ */
+static void a_small_budget_pierces(void)
+{
+    const struct pierced whole = pierce_fine(0, 0.0);
+    CHECK(whole.channel.id && !whole.waited, "it waits without a budget");
+    for (int trembles = 0; trembles < 2; trembles++) {
+        const struct pierced part = pierce_fine(SMALL_BUDGET, trembles * 1e-7);
+        CHECK(part.channel.id && part.waited > 2 && part.most <= SMALL_BUDGET,
+              "%d ticks waited, %u units in a tick", part.waited, part.most);
+        CHECK(fabs(part.channel.entry[0] - whole.channel.entry[0]) < 1e-6 &&
+                  fabs(part.channel.entry[2] - whole.channel.entry[2]) < 1e-6 && part.channel.ruptures == 1 &&
+                  part.channel.layers == 1 && part.channel.depth > 1e-4,
+              "another channel: at %g %g, %u ruptures, %g m in", part.channel.entry[0], part.channel.entry[2],
+              part.channel.ruptures, part.channel.depth);
+    }
 }
 
 /* Where the far wall of one body and the near wall of the next are one for the tip, each takes a push of its own. */
@@ -308,7 +352,7 @@ int main(void)
     TEST(a_hole_behind_the_first);
     TEST(a_body_beside_the_shaft);
     TEST(a_budget_is_no_wall);
-    TEST(a_budget_that_finds_no_walls);
+    TEST(a_small_budget_pierces);
     TEST(one_wall_a_tick);
     TEST(room_that_another_needle_leaves);
     TEST(ids_after_a_reset);
