@@ -5,7 +5,6 @@
 #include <stdio.h>
 
 #include "base/return_if_error.h"
-#include "scene/scene_needle.h"
 #include "scene/setting_words.h"
 
 /*

@@ -63,6 +63,8 @@ static void add_wall(struct channel *channel, struct channel_stretch added)
     while (first < channel->wall_count && channel->walls[first].to < added.from)
         first++;
     for (end = first; end < channel->wall_count && channel->walls[end].from <= added.to; end++) {
+        if (channel->walls[end].from <= added.from)
+            added.region = channel->walls[end].region;
         added.from = min_of(added.from, channel->walls[end].from);
         added.to = max_of(added.to, channel->walls[end].to);
     }
@@ -102,6 +104,11 @@ static void add_crossing(struct channel_search *search, const struct channel_cro
     search->crossing_count++;
 }
 
+static uint32_t region_of(const struct channel_search *search, uint32_t triangle)
+{
+    return search->regions ? search->regions[search->surface->sources[triangle]] : 0;
+}
+
 static void look_at(struct channel_search *search, uint32_t triangle)
 {
     struct channel *channel = &search->channel;
@@ -120,7 +127,8 @@ static void look_at(struct channel_search *search, uint32_t triangle)
     }
     const double step = channel->radius + same_of(channel);
     const double before = apart_beyond(search, v, at, -step), behind = apart_beyond(search, v, at, step);
-    const struct channel_stretch wall = { border_from(search, v, before), border_from(search, v, behind) };
+    const struct channel_stretch wall = { border_from(search, v, before), border_from(search, v, behind),
+                                          region_of(search, triangle), 0 };
     if (wall.from <= channel->length)
         add_wall(channel, wall);
     if (wall.from < search->first) {
@@ -135,18 +143,21 @@ static void find_layers(struct channel_search *search)
 {
     struct channel *channel = &search->channel;
     int depth = 0;
-    double from = 0.0;
+    struct channel_stretch layer = { 0.0, 0.0, 0, 0 };
     channel->layer_count = 0;
     for (uint32_t i = 0; i < search->crossing_count; i++) {
         const struct channel_crossing *crossing = &search->crossings[i];
-        if (crossing->is_entering && depth++ == 0)
-            from = crossing->at;
+        if (crossing->is_entering && depth++ == 0) {
+            layer.from = crossing->at;
+            layer.region = region_of(search, crossing->triangle);
+        }
         if (crossing->is_entering || depth == 0 || --depth > 0)
             continue;
+        layer.to = crossing->at;
         if (channel->layer_count < CHANNEL_LAYERS_MAX)
-            channel->layers[channel->layer_count++] = (struct channel_stretch){ from, crossing->at };
+            channel->layers[channel->layer_count++] = layer;
         else
-            channel->limit = min_of(channel->limit, from);
+            channel->limit = min_of(channel->limit, layer.from);
     }
 }
 
@@ -164,11 +175,13 @@ static void find_entry(struct channel_search *search)
 }
 
 void dpti_channel_search_begin(struct channel_search *search, const struct channel *channel,
-                               const struct surface *surface, const struct kernel *kernel, struct work *work)
+                               const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,
+                               struct work *work)
 {
     const vec3 centre = scaled(add(surface->box_min, surface->box_max), 0.5);
     search->channel = *channel;
     search->surface = surface;
+    search->regions = regions;
     search->first = HUGE_VAL;
     search->is_begun = 1;
     search->crossing_count = 0;
@@ -207,13 +220,17 @@ double dpti_channel_stop(const struct channel *channel, double clearance)
     return min_of(channel->limit, wall);
 }
 
+double dpti_layer_inside(const struct channel *channel, uint32_t layer, double tip)
+{
+    const struct channel_stretch *stretch = &channel->layers[layer];
+    return max_of(0.0, min_of(tip, stretch->to) - max_of(tip - channel->length, stretch->from));
+}
+
 double dpti_channel_inside(const struct channel *channel, double tip)
 {
     double inside = 0.0;
-    for (uint32_t i = 0; i < channel->layer_count; i++) {
-        const struct channel_stretch *layer = &channel->layers[i];
-        inside += max_of(0.0, min_of(tip, layer->to) - max_of(tip - channel->length, layer->from));
-    }
+    for (uint32_t i = 0; i < channel->layer_count; i++)
+        inside += dpti_layer_inside(channel, i, tip);
     return inside;
 }
 

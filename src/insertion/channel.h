@@ -19,6 +19,8 @@ enum { CHANNEL_WALLS_MAX = 16, CHANNEL_LAYERS_MAX = 8 };
 
 struct channel_stretch {
     double from, to;
+    uint32_t region; /* of the surface where it begins; 0: none */
+    uint32_t reserved;
 };
 
 struct channel {
@@ -54,9 +56,10 @@ struct channel_crossing {
 struct channel_search {
     struct channel channel; /* as far as it is found */
     const struct surface *surface;
-    struct range range; /* of the triangles that are still to be looked at */
-    double reach;       /* m: so far the line is looked at, the whole body through */
-    double first;       /* where the tip touches first */
+    const uint8_t *regions; /* of the surface's triangles, by their source numbers; NULL: it has none */
+    struct range range;     /* of the triangles that are still to be looked at */
+    double reach;           /* m: so far the line is looked at, the whole body through */
+    double first;           /* where the tip touches first */
     uint32_t is_begun;
     uint32_t crossing_count;
     struct channel_crossing crossings[CHANNEL_CROSSINGS_MAX]; /* ascending */
@@ -64,10 +67,11 @@ struct channel_search {
 
 /*
  * Begin to find walls and layers along the line from channel->mouth along channel->axis, with channel->radius and
- * ->length, of a surface that does not deform and stays where it is in memory.
+ * ->length, of a surface that does not deform and stays where it is in memory, as its regions do.
  */
 void dpti_channel_search_begin(struct channel_search *search, const struct channel *channel,
-                               const struct surface *surface, const struct kernel *kernel, struct work *work);
+                               const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,
+                               struct work *work);
 
 /*
  * Go on. Returns 0 if the work was spent before the end; else search->channel has all, and no wall of it is open. Walls
@@ -81,6 +85,9 @@ double dpti_channel_stop(const struct channel *channel, double clearance);
 
 /* m: of the shaft from the tip back that is inside of the body. */
 double dpti_channel_inside(const struct channel *channel, double tip);
+
+/* m: likewise, that is in one of its layers. */
+double dpti_layer_inside(const struct channel *channel, uint32_t layer, double tip);
 
 /* How many layers begin before the tip. */
 uint32_t dpti_channel_layers(const struct channel *channel, double tip);

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "insertion/world_channels.h"
 
-enum { BYTES_CHANNEL = 640, BYTES_INSERTION = 448, BYTES_SEARCH = 2176 };
+#include "insertion/region_law.h"
+
+enum { BYTES_CHANNEL = 832, BYTES_TOOL = 2816, BYTES_REGIONS = 736 };
 typedef char channel_fits[sizeof(struct channel) <= BYTES_CHANNEL ? 1 : -1];
-typedef char insertion_fits[sizeof(struct insertion) <= BYTES_INSERTION ? 1 : -1];
-typedef char search_fits[sizeof(struct channel_search) <= BYTES_SEARCH ? 1 : -1];
+typedef char tool_fits[sizeof(struct piercing_tool) <= BYTES_TOOL ? 1 : -1];
+typedef char regions_fit[sizeof(struct body_regions) <= BYTES_REGIONS ? 1 : -1];
 
 uint64_t dpti_channels_bytes(const dpt_world_def *def)
 {
-    const uint64_t a_tool = BYTES_INSERTION + BYTES_SEARCH;
-    return def->max_channels ? BYTES_CHANNEL * (uint64_t)def->max_channels + a_tool * def->max_tools : 0;
+    return def->max_channels ? BYTES_CHANNEL * (uint64_t)def->max_channels + BYTES_TOOL * (uint64_t)def->max_tools +
+                                   BYTES_REGIONS * (uint64_t)def->max_bodies
+                             : 0;
 }
 
 char *dpti_channels_place(struct dpt_world *world, char *at)
@@ -18,9 +21,9 @@ char *dpti_channels_place(struct dpt_world *world, char *at)
     if (!def->max_channels)
         return at;
     world->channels = (void *)at;
-    char *insertions = at + BYTES_CHANNEL * (size_t)def->max_channels;
-    world->insertions = (void *)insertions;
-    world->channel_searches = (void *)(insertions + BYTES_INSERTION * (size_t)def->max_tools);
+    char *tools = at + BYTES_CHANNEL * (size_t)def->max_channels;
+    world->piercing_tools = (void *)tools;
+    world->body_regions = (void *)(tools + BYTES_TOOL * (size_t)def->max_tools);
     return at + dpti_channels_bytes(def);
 }
 
@@ -112,8 +115,8 @@ void dpti_channels_forget_body(struct dpt_world *world, uint32_t body_id)
         if (world->channels[i].body_id == body_id)
             close_hole(world, i);
     for (uint32_t i = 0; world->channels && i < world->tool_slot_end; i++)
-        if (world->channel_searches[i].channel.body_id == body_id)
-            world->channel_searches[i].is_begun = 0;
+        if (world->piercing_tools[i].search.channel.body_id == body_id)
+            world->piercing_tools[i].search.is_begun = 0;
 }
 
 void dpti_channels_forget_tool(struct dpt_world *world, const struct tool *tool)

@@ -32,6 +32,12 @@ struct insertion {
     struct inserted in[INSERTION_CHANNELS_MAX];
 };
 
+/* What a tool is in, and its search for the walls behind one that its tip is about to rupture. */
+struct piercing_tool {
+    struct insertion insertion;
+    struct channel_search search;
+};
+
 /* Their share of dpt_world_bytes: none where the def has no room for channels. */
 uint64_t dpti_channels_bytes(const dpt_world_def *def);
 
@@ -41,13 +47,13 @@ char *dpti_channels_place(struct dpt_world *world, char *at);
 /* What a tool is in; only where the world has channels. */
 static inline struct insertion *insertion_of(const struct dpt_world *world, const struct tool *tool)
 {
-    return &world->insertions[tool - world->tools];
+    return &world->piercing_tools[tool - world->tools].insertion;
 }
 
-/* The search for the walls behind one that its tip is about to rupture; only where the world has channels. */
+/* Its search; likewise. */
 static inline struct channel_search *channel_search_of(const struct dpt_world *world, const struct tool *tool)
 {
-    return &world->channel_searches[tool - world->tools];
+    return &world->piercing_tools[tool - world->tools].search;
 }
 
 /* 1 if a tool is in a channel. */

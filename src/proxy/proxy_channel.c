@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_channel.h"
 
+#include "insertion/region_law.h"
 #include "proxy/channel_line.h"
 #include "proxy/patch_sides.h"
 #include "proxy/proxy.h"
@@ -126,17 +127,18 @@ static void enter_holes(const struct proxy_tick *tick, const struct channel_line
     }
 }
 
-static struct shaft shaft_of(const struct body *body, const struct channel *channel, const struct inserted *in)
+static struct shaft shaft_of(const struct dpt_world *world, const struct body *body, const struct channel *channel,
+                             const struct inserted *in)
 {
-    const struct pierce_law *law = &body->pierce;
-    struct shaft shaft = { .friction = law->shaft_friction,
-                           .viscosity = law->shaft_viscosity,
-                           .stiffness = law->shaft_stiffness,
+    const struct pierce_law law = dpti_shaft_law(world, body, channel, in->anchor);
+    struct shaft shaft = { .friction = law.shaft_friction,
+                           .viscosity = law.shaft_viscosity,
+                           .stiffness = law.shaft_stiffness,
                            .inside = dpti_channel_inside(channel, in->anchor),
                            .anchor = in->anchor,
                            .last = in->last };
     if (!(shaft.stiffness > 0.0))
-        shaft.stiffness = max_of(law->shaft_friction, 1.0) / SHAFT_STRETCH;
+        shaft.stiffness = max_of(law.shaft_friction, 1.0) / SHAFT_STRETCH;
     return shaft;
 }
 
@@ -154,10 +156,11 @@ static struct balance balance_of(const struct proxy_tick *tick, const struct ins
         const struct channel *channel = channel_in(world, insertion, i);
         const struct body *body = body_in(world, insertion, i);
         const struct channel_line line = dpti_channel_line(world, channel);
-        balance.parts[i] = (struct balance_part){ .shaft = shaft_of(body, channel, &insertion->in[i]),
-                                                  .offset = i ? dpti_channel_offset(&host, &line) : 0.0,
-                                                  .uncut = dpti_channel_uncut(channel),
-                                                  .cutting = cutting_force(&body->pierce, channel->radius) };
+        balance.parts[i] =
+            (struct balance_part){ .shaft = shaft_of(world, body, channel, &insertion->in[i]),
+                                   .offset = i ? dpti_channel_offset(&host, &line) : 0.0,
+                                   .uncut = dpti_channel_uncut(channel),
+                                   .cutting = cutting_force(dpti_cutting_law(world, body, channel), channel->radius) };
     }
     return balance;
 }
@@ -257,9 +260,10 @@ static void push_wall(struct proxy_tick *tick, struct insertion *insertion, uint
     const double stiffness = dpti_stiffness_on(tick->tool, body_in(tick->world, insertion, 0));
     insertion->in[number].tip = insertion->push;
     if (channel->open_count == channel->wall_count ||
-        channel->walls[channel->open_count].from - tick->clearance > channel->limit || !(tick->tool->stiffness > 0.0) ||
-        !pierce_law_is_any(&body->pierce) ||
-        !(insertion->push >= rupture_force(&body->pierce, channel->radius, stiffness)))
+        channel->walls[channel->open_count].from - tick->clearance > channel->limit || !(tick->tool->stiffness > 0.0))
+        return;
+    const struct pierce_law *law = region_law(tick->world, body, channel->walls[channel->open_count].region);
+    if (!pierce_law_is_any(law) || !(insertion->push >= rupture_force(law, channel->radius, stiffness)))
         return;
     channel->open_count++;
     insertion->is_dropping = 1;

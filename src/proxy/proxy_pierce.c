@@ -2,6 +2,7 @@
 /* Where channels begin: a wall that ruptures before the tip, or a tool that is put in. */
 #include "proxy/proxy_channel.h"
 
+#include "insertion/region_law.h"
 #include "proxy/channel_line.h"
 #include "proxy/patch_sides.h"
 #include "proxy/proxy.h"
@@ -28,15 +29,16 @@ static double push_of(const struct proxy_tick *tick)
     return -tick->tool->stiffness * dot(sub(pulled.shift, proxy->yielded.shift), direction);
 }
 
-/* Whether the tip touches a body. */
-static int is_touching(struct dpt_world *world, const struct body *body, vec3 tip, double reach)
+/* The triangle that the tip touches, by its place, or DPT_NONE. */
+static uint32_t touched_by(struct dpt_world *world, const struct body *body, vec3 tip, double reach)
 {
     struct bvh_traversal traversal = { .level = 0 };
     struct pair_search nearest = { .pair = { .distance2 = reach * reach } };
     pair_search_begin(&nearest, DPT_NONE);
     return dpti_point_search(&body->surface, &world->kernel, frame_to_local(&body->frame, tip), &traversal,
-                             &world->work, &nearest) &&
-           nearest.triangle != DPT_NONE;
+                             &world->work, &nearest)
+               ? nearest.triangle
+               : DPT_NONE;
 }
 
 /* Whether a tool that is in channels is at a hole that it has made in a body: it goes in in the next tick. */
@@ -56,7 +58,7 @@ static int may_pierce(const struct proxy_tick *tick, uint32_t slot, vec3 tip)
     const struct body *body = &world->bodies[slot];
     const struct box box = box_of_axis(tip, tip);
     const double radius = world->segments[tick->tool->first_segment].radius;
-    return body_is_there(body) && pierce_law_is_any(&body->pierce) &&
+    return body_is_there(body) && dpti_body_is_pierced(world, body) &&
            box_distance(&box, &world->boxes[slot]) <= radius + TOUCHING * tick->clearance &&
            !dpti_is_inserted_in(world, tick->tool, body->id) && !is_at_hole_of(tick, body);
 }
@@ -70,7 +72,8 @@ static void begin_search(struct dpt_world *world, const struct tool *tool, const
     channel.axis = unit_of(frame_turn_back(&body->frame, frame_turn(frame, dpti_tip_direction(world, tool))));
     channel.radius = world->segments[tool->first_segment].radius;
     channel.length = length;
-    dpti_channel_search_begin(search, &channel, &body->surface, &world->kernel, &world->work);
+    dpti_channel_search_begin(search, &channel, &body->surface, body_regions_of(world, body)->of_triangle,
+                              &world->kernel, &world->work);
 }
 
 /* Whether a search that an earlier tick began is for a line at whose mouth the tip still is. */
@@ -92,6 +95,11 @@ static void wait_for_work(struct proxy_tick *tick)
     tick->tool->has_changed = 1;
 }
 
+static int ruptures(const struct pierce_law *law, double radius, double stiffness, double push)
+{
+    return pierce_law_is_any(law) && push >= rupture_force(law, radius, stiffness);
+}
+
 /* The tip pushes a body: if it touches it and its wall ruptures, a channel begins there. Returns 1 then. */
 static int pierce(struct proxy_tick *tick, const struct body *body, double push)
 {
@@ -101,7 +109,7 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
     const double radius = world->segments[tool->first_segment].radius;
     const struct channel *first = insertion->count ? &world->channels[insertion->in[0].channel] : NULL;
     const double stiffness = dpti_stiffness_on(tool, first ? dpti_channel_body(world, first) : body);
-    if (!(push >= rupture_force(&body->pierce, radius, stiffness)))
+    if (!(push >= dpti_weakest_rupture(world, body, radius, stiffness)))
         return 0;
     struct channel *channel = dpti_channel_free(world);
     struct channel_search *search = channel_search_of(world, tool);
@@ -109,10 +117,13 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
     const int is_older = is_search_of(tick, search, body);
     /* Without work for that the search itself tells whether it touches. */
     const int is_asked = !is_older && work_left(&world->work) >= WORK_COUNTED_ON;
-    if (is_asked && !is_touching(world, body, tip, radius + TOUCHING * tick->clearance)) {
+    const uint32_t touched = is_asked ? touched_by(world, body, tip, radius + TOUCHING * tick->clearance) : DPT_NONE;
+    if (is_asked && touched == DPT_NONE) {
         wait_for_work(tick);
         return 0;
     }
+    if (is_asked && !ruptures(triangle_law(world, body, touched), radius, stiffness, push))
+        return 0;
     if (!is_older)
         begin_search(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), search);
     if (!dpti_channel_search_on(search)) {
@@ -120,7 +131,8 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
         return 0;
     }
     const struct channel *found = &search->channel;
-    if (!found->wall_count || !(found->walls[0].from > 0.0 && found->walls[0].from <= TOUCHING * tick->clearance))
+    if (!found->wall_count || !(found->walls[0].from > 0.0 && found->walls[0].from <= TOUCHING * tick->clearance) ||
+        !ruptures(region_law(world, body, found->walls[0].region), radius, stiffness, push))
         return 0;
     if (!channel || insertion->count == INSERTION_CHANNELS_MAX) {
         tick->proxy->flags |= DPT_FORCE_FLAG_CHANNELS_FULL;
@@ -205,6 +217,9 @@ static int lay_through(struct dpt_world *world, const struct tool *tool, const s
         channel->open_count++;
     if (!channel->open_count)
         return 0;
+    for (uint32_t i = 0; i < channel->open_count; i++)
+        if (!pierce_law_is_any(region_law(world, body, channel->walls[i].region)))
+            *result = DPT_E_ARGUMENT;
     put->body = body;
     put->from = channel->walls[0].from - clearance;
     /* The way out is free: the rear end goes back by as much as the tip is in. */
@@ -270,7 +285,7 @@ dpt_result dpti_proxy_insert(struct dpt_world *world, struct tool *tool)
     world->work = work_of(WORK_UNLIMITED);
     for (uint32_t slot = 0; slot < world->body_slot_end && count <= INSERTION_CHANNELS_MAX; slot++) {
         const struct body *body = &world->bodies[slot];
-        if (body_is_there(body) && pierce_law_is_any(&body->pierce) &&
+        if (body_is_there(body) && dpti_body_is_pierced(world, body) &&
             box_distance(&box, &world->boxes[slot]) <= segment->radius)
             count += (uint32_t)lay_through(world, tool, &frame, body, &puts[count], &result);
     }

@@ -90,6 +90,16 @@ dpt_result scene_make_world(struct scene *scene, const dpt_device_info *device, 
  */
 dpt_result scene_feel(struct scene *scene, const dpt_loop_sample *sample, dpt_wrench *wrench);
 
+/* What a scene's needle is in, all its channels together (insertion.h). Zeros: none, or the scene has no needle. */
+struct scene_needle {
+    double depth;      /* m: of the tip beyond the entry of the first channel */
+    double inside;     /* m: of the shaft, inside of all bodies */
+    uint32_t ruptures; /* walls that are open in these channels */
+    uint32_t layers;   /* that the tip has gone into and not come back from */
+};
+
+struct scene_needle scene_get_needle(const struct scene *scene);
+
 /*
  * After it: the tool's hit, and what its force was. Of a tool with curved tips and without a proxy, the hit is that of
  * the deepest of them if it is deeper than the segments, and the energy is theirs too.

@@ -121,6 +121,7 @@ dpt_result scene_bodies_of_file(struct scene_bodies *bodies, const char *path, c
         char where[SCENE_WHERE_BYTES];
         snprintf(where, sizeof where, "%s: bodies[%u]: ", path, (unsigned)i);
         body->settings = from->settings;
+        body->surface_regions = from->surface_regions;
         DPT_TRY(from->mesh ? load_body(body, where, from, identity, error)
                            : make_body(body, where, &from->listed, identity, error));
     }
@@ -189,6 +190,8 @@ void scene_bodies_leave(struct scene_bodies *bodies)
         free(body->block);
         free(body->springs_block);
         free(body->compliances);
+        free(body->of_triangle);
+        body->of_triangle = NULL;
         body->block = body->springs_block = NULL;
         body->compliances = NULL;
         body->block_bytes = body->springs_bytes = 0;
@@ -354,7 +357,8 @@ uint32_t scene_bodies_channels(const struct scene_bodies *bodies)
 {
     for (uint32_t i = 0; i < bodies->count; i++) {
         const dpt_body_settings *settings = &bodies->body[i].settings;
-        if (settings->size && (settings->puncture_force > 0.0 || settings->toughness > 0.0))
+        if ((settings->size && (settings->puncture_force > 0.0 || settings->toughness > 0.0)) ||
+            bodies->body[i].surface_regions.count)
             return SCENE_CHANNELS;
     }
     return 0;
@@ -369,6 +373,8 @@ dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world, const
                                           : dpt_body_add(world, body->mesh, &body->pose, &body->id);
         if (result == DPT_OK && body->settings.size)
             result = dpt_body_set_settings(world, body->id, &body->settings);
+        if (result == DPT_OK && body->surface_regions.count)
+            result = surface_regions_set(&body->surface_regions, world, body->id, body->mesh, &body->of_triangle);
         if (result == DPT_OK && !isnan(options->friction))
             result = force_options_set_body(options, world, body->id);
     }

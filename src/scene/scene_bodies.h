@@ -24,7 +24,9 @@ struct scene_body {
     double apart;               /* s: a step of its physics, which is apart from the loop's; 0: it is not */
     int is_rigid;               /* springs of the mesh are not used */
     dpt_body_settings settings; /* its size is 0: those of new bodies */
-    const char *name;           /* of its shape, or NULL */
+    struct surface_regions surface_regions;
+    uint8_t *of_triangle; /* the region of each triangle, in a world that has the body; or NULL */
+    const char *name;     /* of its shape, or NULL */
     int has_colour;
     double colour[3]; /* as in listed_body */
     enum body_look look;

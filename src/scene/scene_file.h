@@ -10,6 +10,7 @@
 #include "scene/scene_dress.h"
 #include "scene/scene_list.h"
 #include "scene/scene_tips.h"
+#include "scene/surface_regions.h"
 #include "scene/tip_shape.h"
 
 enum {
@@ -27,6 +28,7 @@ struct scene_file_body {
     dpt_spring_region *regions;
     enum scene_file_softness softness;
     dpt_body_settings settings;
+    struct surface_regions surface_regions;
 };
 
 /* Where nothing was given: NULL, NAN, -1 or a count of 0. */

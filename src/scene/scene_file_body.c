@@ -129,11 +129,43 @@ static void read_physics(struct listed_body *listed, struct json_reader *reader,
         listed->sleep_speed = sleep_speed > 0.0 ? sleep_speed : LISTED_SLEEPS_NEVER;
 }
 
-static void read_surface(dpt_body_settings *settings, struct json_reader *reader, const struct json_value *at)
+static void read_surface_regions(struct surface_regions *regions, struct json_reader *reader,
+                                 const struct json_value *list)
 {
-    static const char *const keys[] = { "static_friction", "kinetic_friction", "stiffness",       "side_limit",
-                                        "unfelt",          "puncture_force",   "toughness",       "cutting_force",
-                                        "shaft_friction",  "shaft_viscosity",  "shaft_stiffness", NULL };
+    static const char *const keys[] = { "box",           "sphere",         "puncture_force",  "toughness",
+                                        "cutting_force", "shaft_friction", "shaft_viscosity", NULL };
+    regions->count = (uint32_t)json_check_list(reader, list, 0, DPT_BODY_REGIONS_MAX);
+    for (uint32_t i = 0; i < regions->count && !json_has_failed(reader); i++) {
+        const struct json_value at = json_item(list, i);
+        dpt_body_region *law = &regions->law[i];
+        *law = (dpt_body_region){ .size = sizeof *law };
+        if (!json_check_object(reader, &at, keys))
+            return;
+        read_place(&regions->place[i], reader, &at);
+        json_take_number(reader, &at, "puncture_force", 0.0, 1e6, &law->puncture_force);
+        json_take_number(reader, &at, "toughness", 0.0, 1e9, &law->toughness);
+        json_take_number(reader, &at, "cutting_force", 0.0, 1e6, &law->cutting_force);
+        json_take_number(reader, &at, "shaft_friction", 0.0, 1e6, &law->shaft_friction);
+        json_take_number(reader, &at, "shaft_viscosity", 0.0, 1e6, &law->shaft_viscosity);
+    }
+}
+
+static void read_surface(struct scene_file_body *body, struct json_reader *reader, const struct json_value *at)
+{
+    dpt_body_settings *settings = &body->settings;
+    static const char *const keys[] = { "static_friction",
+                                        "kinetic_friction",
+                                        "stiffness",
+                                        "side_limit",
+                                        "unfelt",
+                                        "puncture_force",
+                                        "toughness",
+                                        "cutting_force",
+                                        "shaft_friction",
+                                        "shaft_viscosity",
+                                        "shaft_stiffness",
+                                        "regions",
+                                        NULL };
     int unfelt = 0;
     if (!json_check_object(reader, at, keys))
         return;
@@ -150,6 +182,9 @@ static void read_surface(dpt_body_settings *settings, struct json_reader *reader
     json_take_number(reader, at, "shaft_friction", 0.0, 1e6, &settings->shaft_friction);
     json_take_number(reader, at, "shaft_viscosity", 0.0, 1e6, &settings->shaft_viscosity);
     json_take_number(reader, at, "shaft_stiffness", 0.0, 1e12, &settings->shaft_stiffness);
+    const struct json_value regions = json_member(at, "regions");
+    if (regions.value)
+        read_surface_regions(&body->surface_regions, reader, &regions);
 }
 
 /* Decimals of the user's own are seldom exact; those of a unit quaternion are taken as they are. */
@@ -249,7 +284,7 @@ void scene_file_read_body(struct scene_file_body *body, struct json_reader *read
         read_physics(&body->listed, reader, &physics);
     check_response(reader, &physics, &body->listed);
     if (surface.value)
-        read_surface(&body->settings, reader, &surface);
+        read_surface(body, reader, &surface);
     read_softness(body, reader, at);
     read_colour(&body->listed, reader, at);
     body->listed.look = (enum body_look)json_take_word(reader, at, "look", body_look_words, BODY_LOOK_ORGAN);

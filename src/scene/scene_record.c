@@ -8,7 +8,6 @@
 
 #include "base/return_if_error.h"
 #include "platform/clock.h"
-#include "scene/scene_needle.h"
 
 static dpt_result open_recorder(struct scene_record *record, const dpt_record_header *header, int waits,
                                 dpt_host_error *error)

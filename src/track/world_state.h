@@ -443,18 +443,17 @@ struct dpt_world {
     uint32_t *last_triangles;
     uint32_t *part_triangles; /* the same of the paper's method alone, of each part of a segment (baseline_method.h) */
     uint32_t *near_lists;     /* per segment: two lists of body slots (broad_phase.h) */
-    /* Only with a budget: */
-    struct suspended_search *suspended_searches; /* two per segment */
-    struct distance_bound *distance_bounds;      /* per segment and body slot */
-    struct point_cache point_cache;
-    struct motion_backlog *motion_backlogs;  /* per segment */
-    struct persistent_contacts contacts[2];  /* this tick's and last tick's */
-    struct segment_strip *segment_strips;    /* per segment; only with strips */
-    struct proxy *proxies;                   /* one a tool; only where the world responds */
-    struct proxy_patch *patches;             /* likewise, one a segment */
-    struct channel *channels;                /* def.max_channels of them; NULL: nothing can be pierced */
-    struct insertion *insertions;            /* one a tool, with channels alone */
-    struct channel_search *channel_searches; /* likewise: for the walls behind one that is about to rupture */
+    struct suspended_search *suspended_searches; /* only with a budget: two per segment */
+    struct distance_bound *distance_bounds;      /* likewise: per segment and body slot */
+    struct point_cache point_cache;              /* likewise */
+    struct motion_backlog *motion_backlogs;      /* per segment */
+    struct persistent_contacts contacts[2];      /* this tick's and last tick's */
+    struct segment_strip *segment_strips;        /* per segment; only with strips */
+    struct proxy *proxies;                       /* one a tool; only where the world responds */
+    struct proxy_patch *patches;                 /* likewise, one a segment */
+    struct channel *channels;                    /* def.max_channels of them; NULL: nothing can be pierced */
+    struct piercing_tool *piercing_tools;        /* one a tool, with channels alone */
+    struct body_regions *body_regions;           /* one a body, with channels alone */
     uint32_t last_channel_id;
     struct load_note *loads; /* of the last step; a tool's in the order of its law */
     uint32_t load_count;

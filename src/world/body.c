@@ -3,7 +3,7 @@
 
 #include "base/return_if_error.h"
 #include "base/sized.h"
-#include "insertion/world_channels.h"
+#include "insertion/region_law.h"
 #include "proxy/proxy.h"
 #include "track/body_search.h"
 #include "track/persistent_contacts.h"
@@ -60,6 +60,8 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
     made->static_friction = made->kinetic_friction = made->stiffness = 0.0;
     made->unfelt = 0;
     made->pierce = (struct pierce_law){ .puncture_force = 0.0 };
+    if (world->channels)
+        memset(body_regions_of(world, made), 0, sizeof(struct body_regions));
     made->moved_tick = made->held_tick = 0;
     made->added_tick = world->bodies_put_tick = world_coming_tick(world);
     made->slot.valid = 1;
@@ -312,7 +314,7 @@ static int is_between(double value, double max)
     return value >= 0.0 && value <= max;
 }
 
-static int pierce_law_is_valid(const struct pierce_law *law)
+int dpti_pierce_law_is_valid(const struct pierce_law *law)
 {
     return is_between(law->puncture_force, 1e6) && is_between(law->toughness, 1e9) &&
            is_between(law->cutting_force, 1e6) && is_between(law->shaft_friction, 1e6) &&
@@ -332,7 +334,7 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
                                        settings.shaft_friction, settings.shaft_viscosity, settings.shaft_stiffness };
     if (settings.unfelt > 1 || !dpti_side_limit_is_valid(settings.side_limit) ||
         !dpti_friction_is_valid(settings.static_friction, settings.kinetic_friction) ||
-        !dpti_stiffness_is_valid(settings.stiffness) || !pierce_law_is_valid(&pierce))
+        !dpti_stiffness_is_valid(settings.stiffness) || !dpti_pierce_law_is_valid(&pierce))
         return DPT_E_ARGUMENT;
     if (pierce_law_is_any(&pierce) && (!world->channels || found->surface.motion))
         return DPT_E_UNSUPPORTED;

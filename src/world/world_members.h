@@ -11,6 +11,9 @@ dpt_result dpti_body_can_add(const struct dpt_world *world);
 /* Add a body, for which there is room, and return its id. pose: valid; NULL: the identity. */
 uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, const dpt_pose *pose);
 
+/* Whether a body or a region may have this law: all numbers in their ranges (dynpoint/body.h). */
+int dpti_pierce_law_is_valid(const struct pierce_law *law);
+
 /*
  * Vertices of a deformable body have moved, by at most `moved` (m) since they were moved last. has_begun_anew: its
  * cached planes are invalid.

@@ -42,6 +42,8 @@ BodySettings = struct("dpt_body_settings", (c_uint32, "size unfelt"),
 ForceInfo = struct("dpt_force_info", (c_uint32, "size reason flags law"), (Wrench, "wrench"),
                      (c_double, "energy lag"), (c_uint64, "folds"), (c_uint32, "sticking slipping"), (c_double, "body_work"))
 ToolLoad = struct("dpt_tool_load", (c_uint32, "size body segment contact triangle reserved"), (double3, "point force torque"))
+Region = struct("dpt_body_region", (c_uint32, "size reserved"), (c_double, "puncture_force toughness cutting_force"
+                                                                      " shaft_friction shaft_viscosity"))
 Channel = struct("dpt_channel", (c_uint32, "size id body triangle flags ruptures layers reserved"), (double3, "weight entry axis"),
                  (c_double, "depth deepest inside friction tip"))
 Contact = struct("dpt_contact", (c_uint32, "size id body segment triangle contact flags reserved"),
@@ -258,6 +260,7 @@ check("its force", core.dpt_tool_get_force_info(world, tool, byref(force)) == 0 
 check("its proxy", core.dpt_tool_get_proxy(world, tool, byref(proxy)) == 0)
 check("no channels here", core.dpt_tool_get_channels(world, tool, None, 0, byref(count)) == -9 and count.value == 0)
 check("nor a needle", core.dpt_tool_insert(world, tool) == -9)
+check("nor regions", core.dpt_body_set_regions(world, body, (c_uint8 * 12)(), 12, byref(Region(size=sizeof(Region))), 1) == -9)
 check("on the top, pulled at by 500 N/m", abs(proxy.position[2] - 1.1) < 1e-4 and force.law == 2
       and is_near(force.wrench.force[2], 500 * (proxy.position[2] - 1.05)))
 settings.law = 0  # DPT_LAW_POINT

@@ -50,6 +50,29 @@ int needle_open_within(struct needle_rig *needle, const dpt_body_settings *gel, 
     return 1;
 }
 
+void needle_open_over_plates(struct needle_rig *needle, struct solid *pile, int plates, double thickness, double pitch)
+{
+    static const uint32_t faces[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
+    double corners[24 * NEEDLE_PLATES_MAX];
+    uint32_t triangles[36 * NEEDLE_PLATES_MAX];
+    for (int plate = 0; plate < plates; plate++) {
+        for (int i = 0; i < 24; i++) {
+            const int k = i % 3, high = i / 3 >> k & 1;
+            corners[24 * plate + i] =
+                k < 2 ? (high ? 0.05 : -0.05) : NEEDLE_TOP - pitch * plate - (high ? 0 : thickness);
+        }
+        for (int i = 0; i < 36; i++)
+            triangles[36 * plate + i] = faces[i] + 8 * (uint32_t)plate;
+    }
+    needle_open(needle, NULL, 1);
+    CHECK(solid_from_arrays(pile, "pile", corners, 8 * (uint32_t)plates, triangles, 12 * (uint32_t)plates), "pile");
+    dpt_body_remove(needle->rig.world, needle->rig.body);
+    needle->rig.body = rig_add_body(&needle->rig, pile->mesh, NULL);
+    rig_set_body(&needle->rig, needle_gel());
+    rig_place(&needle->rig);
+}
+
 void needle_close(struct needle_rig *needle)
 {
     rig_close(&needle->rig);

@@ -31,6 +31,14 @@ int needle_open(struct needle_rig *needle, const dpt_body_settings *gel, uint32_
 int needle_open_within(struct needle_rig *needle, const dpt_body_settings *gel, uint32_t channels, uint32_t budget,
                        uint32_t sweep_budget);
 
+enum { NEEDLE_PLATES_MAX = 10 };
+
+/*
+ * Plates of that gel in one body, the first beneath NEEDLE_TOP and each next by `pitch` m beneath; the box is gone. Plate i
+ * has the source triangles from 12 i on.
+ */
+void needle_open_over_plates(struct needle_rig *needle, struct solid *pile, int plates, double thickness, double pitch);
+
 void needle_close(struct needle_rig *needle);
 
 /* A step, the device's tip at `depth`. */

@@ -5,8 +5,6 @@
  */
 #include "insertion/needle_rig.h"
 
-enum { PLATES_MAX = 10 };
-
 /* A needle 0.03 m deep in the box. */
 static void open_inside(struct needle_rig *needle, uint32_t channels)
 {
@@ -339,35 +337,12 @@ static void what_stops_a_tip(void)
     }
 }
 
-/* Plates of 2 mm in one body, the first beneath NEEDLE_TOP and each next by `pitch` m beneath. The box is gone. */
-static void open_over_plates(struct needle_rig *needle, struct solid *pile, int plates, double pitch)
-{
-    static const uint32_t faces[36] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
-    double corners[24 * PLATES_MAX];
-    uint32_t triangles[36 * PLATES_MAX];
-    for (int plate = 0; plate < plates; plate++) {
-        for (int i = 0; i < 24; i++) {
-            const int k = i % 3, high = i / 3 >> k & 1;
-            corners[24 * plate + i] = k < 2 ? (high ? 0.05 : -0.05) : NEEDLE_TOP - pitch * plate - (high ? 0 : 0.002);
-        }
-        for (int i = 0; i < 36; i++)
-            triangles[36 * plate + i] = faces[i] + 8 * (uint32_t)plate;
-    }
-    needle_open(needle, NULL, 1);
-    CHECK(solid_from_arrays(pile, "pile", corners, 8 * (uint32_t)plates, triangles, 12 * (uint32_t)plates), "pile");
-    dpt_body_remove(needle->rig.world, needle->rig.body);
-    needle->rig.body = rig_add_body(&needle->rig, pile->mesh, NULL);
-    rig_set_body(&needle->rig, needle_gel());
-    rig_place(&needle->rig);
-}
-
 /* A pile of ten plates of 2 mm, 2 mm apart, has 20 walls: the needle goes through the first 16, and no farther. */
 static void a_line_with_too_many_walls(void)
 {
     struct needle_rig needle;
     struct solid pile;
-    open_over_plates(&needle, &pile, PLATES_MAX, 0.004);
+    needle_open_over_plates(&needle, &pile, NEEDLE_PLATES_MAX, 0.002, 0.004);
     needle_go(&needle, 0.09, 0.02);
     const dpt_channel channel = needle_channel(&needle);
     CHECK(channel.ruptures == 16 && fabs(channel.inside - 0.016) < 1e-6, "%u walls, %g m inside", channel.ruptures,
@@ -382,7 +357,7 @@ static void a_needle_whose_way_out_is_closed(void)
 {
     struct needle_rig needle;
     struct solid pile;
-    open_over_plates(&needle, &pile, 2, 0.05);
+    needle_open_over_plates(&needle, &pile, 2, 0.002, 0.05);
     dpt_pose between = needle.rig.device;
     between.position[2] -= 0.115;
     dpt_tool_set_pose(needle.rig.world, needle.rig.tool, &between);

@@ -153,6 +153,20 @@ class Feel(unittest.TestCase):
                     self.assertEqual(len(tool.channels), 2)
         with dp.World() as world, self.assertRaisesRegex(dp.Error, "max_channels"):
             world.add_tool([0, 0, 0], [0, 0.1, 0], 0.001).channels
+        for soft, wanted in (([6, 7], 1), ([4, 5], 0)):  # the top, and a side
+            with dp.World(max_channels=8) as world:
+                body, tool = world.add_body(box), world.add_tool([0, 0.1, 0], [0, 0, 0], 0.0005)
+                tool.piercing = "b"
+                of_triangle = np.zeros(12, np.int64)
+                of_triangle[soft] = 1
+                body.set_regions(of_triangle, [{"puncture_force": 0.5, "shaft_friction": 20.0}])
+                del of_triangle
+                for height in np.linspace(0.01, -0.02, 300):
+                    tool.tick([0.01, height, 0.003], 0.001)
+                self.assertEqual(len(tool.channels), wanted)
+                with self.assertRaisesRegex(dp.Error, "set_regions"):
+                    body.set_regions([2] * 12, [{"toughness": 1.0}])
+                body.set_regions([], [])
 
     def test_a_compliance_for_each_vertex(self):
         count, felt, soft = int(self.mesh.info.vertices), [], 2.0 ** -9  # of as many bits in a float

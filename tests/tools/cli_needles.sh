@@ -55,6 +55,24 @@ for name in hard blunt; do
     check "$name: it is in" test "$(flagged "$name.csv" 1024)" -eq 0
 done
 
+# A region of the surface with a law of its own, where the hand presses: the top.
+sed 's/"shaft_stiffness": 20000/"shaft_stiffness": 20000, "regions": [ { "box": [-1, 0.039, -1, 1, 1, 1], "puncture_force": 0.6 } ]/' \
+    "$sample" >region.json
+sed 's/0\.039/0.9/' region.json >elsewhere.json
+for name in region elsewhere; do
+    succeeds "a scene with a $name" run "$name.json" --ticks 3000 --record "$name.dpr"
+    succeeds "$name as a table" record csv "$name.dpr" -o "$name.csv"
+done
+peak()
+{
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "asked_fy") at = i; if ($i == "ruptures") open = i } next }
+$open == 0 && $at + 0 > most { most = $at } $open > 0 { exit } END { printf "%.3f\n", most }' "$1"
+}
+check "the region's puncture force: $(peak region.csv)" awk -v f="$(peak region.csv)" 'BEGIN { exit !(f > 0.55 && f < 0.62) }'
+check "a region elsewhere: $(peak elsewhere.csv)" awk -v f="$(peak elsewhere.csv)" 'BEGIN { exit !(f > 1.45 && f < 1.55) }'
+sed 's/"box": \[-1, 0.039, -1, 1, 1, 1\], //' region.json >odd.json
+refuses 'a region without a place' 'needs a box or a sphere' run odd.json --ticks 1
+
 # A header that names no end is refused.
 sed 's/^piercing=1$/piercing=9/' needle.dpr >odd.dpr
 run replay odd.dpr

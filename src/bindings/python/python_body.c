@@ -5,20 +5,31 @@
 #include "bindings/python/python_mesh.h"
 #include "bindings/python/python_springs.h"
 
-#include "dynpoint/body.h"
+#include "dynpoint/insertion.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 PyObject *dpy_body_type;
 
+/* With a body's id: the key of its regions. */
+#define REGIONS ((uint64_t)1 << 32)
+
 /* Let the world keep what a body needs. */
-static int keep(dpy_world *world, uint32_t id, PyObject *what)
+static int keep(dpy_world *world, uint64_t id, PyObject *what)
 {
-    PyObject *key = PyLong_FromUnsignedLong(id);
+    PyObject *key = PyLong_FromUnsignedLongLong(id);
     int result = key ? PyDict_SetItem(world->kept, key, what) : -1;
     Py_XDECREF(key);
     return result;
+}
+
+static void forget(dpy_world *world, uint64_t id)
+{
+    PyObject *key = PyLong_FromUnsignedLongLong(id);
+    if (key && PyDict_DelItem(world->kept, key) != 0)
+        PyErr_Clear();
+    Py_XDECREF(key);
 }
 
 static void free_block(PyObject *capsule)
@@ -132,11 +143,32 @@ static PyObject *body_remove(PyObject *object, PyObject *unused)
     ON_WORLD("Body.remove", dpt_body_remove(world, self->id));
     if (result != DPT_OK)
         return dpy_fail(result, "Body.remove", NULL);
-    PyObject *key = PyLong_FromUnsignedLong(self->id);
-    if (key && PyDict_DelItem(self->world->kept, key) != 0)
-        PyErr_Clear();
-    Py_XDECREF(key);
+    forget(self->world, self->id);
+    forget(self->world, self->id | REGIONS);
     Py_RETURN_NONE;
+}
+
+/* set_regions(of_triangle, regions): bytes, and dpt_body_region one behind the other. The world keeps the first. */
+static PyObject *body_set_regions(PyObject *object, PyObject *args)
+{
+    dpy_member *self = (dpy_member *)object;
+    PyObject *of_triangle;
+    Py_buffer regions;
+    if (!PyArg_ParseTuple(args, "Sy*:set_regions", &of_triangle, &regions))
+        return NULL;
+    const uint32_t count = (uint32_t)(regions.len / (Py_ssize_t)sizeof(dpt_body_region));
+    dpt_result result = DPT_OK;
+    int is_kept = 0;
+    dpt_world *world = dpy_world_enter(self->world, "Body");
+    if (world) {
+        is_kept = keep(self->world, self->id | REGIONS, of_triangle) == 0;
+        if (is_kept)
+            result = dpt_body_set_regions(world, self->id, (const uint8_t *)PyBytes_AS_STRING(of_triangle),
+                                          (uint32_t)PyBytes_GET_SIZE(of_triangle), regions.buf, count);
+        dpy_world_leave(self->world);
+    }
+    PyBuffer_Release(&regions);
+    return is_kept ? dpy_result(result, "Body.set_regions") : NULL;
 }
 
 static PyObject *body_get_pose(PyObject *object, PyObject *unused)
@@ -307,6 +339,7 @@ static PyMethodDef methods[] = { { "of", body_of, METH_VARARGS | METH_CLASS, NUL
                                  { "get_setting", body_get_setting, METH_O, NULL },
                                  { "set_settings", DPY_FASTCALL(body_set_settings), METH_VARARGS | METH_KEYWORDS,
                                    NULL },
+                                 { "set_regions", body_set_regions, METH_VARARGS, NULL },
                                  { "set_vertices", body_set_vertices, METH_VARARGS, NULL },
                                  { "get_vertices", body_get_vertices, METH_O, NULL },
                                  { "get_loads", body_get_loads, METH_O, NULL },

@@ -6,7 +6,7 @@
  */
 #include "fuzz/calls/rules.h"
 
-enum { CHANNELS_MOST = 3, ACTIONS = 40 };
+enum { CHANNELS_MOST = 3, ACTIONS = 40, REGIONS_MOST = 3, TRIANGLES_MOST = 4096 };
 
 static struct {
     const struct subject *subject;
@@ -53,6 +53,45 @@ static void open_world(void)
     HOLDS(RESULT(dpt_tool_set_settings, needle.world, needle.tool, &settings) == DPT_OK, "no settings");
     needle.pose = identity;
     add_body();
+}
+
+/* Regions of the body, well and badly. */
+static void set_regions(void)
+{
+    static uint8_t of_triangle[TRIANGLES_MOST];
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_body_region regions[REGIONS_MOST] = { { .size = sizeof *regions } };
+    const int no_world = draw_one_in(30), no_body = draw_one_in(30), is_short = draw_one_in(30),
+              is_odd = draw_one_in(30);
+    const int has_too_many = draw_one_in(30), is_wrong = draw_one_in(30);
+    const uint32_t count = has_too_many ? DPT_BODY_REGIONS_MAX + 1 : draw_below(REGIONS_MOST + 1);
+    struct codes codes = { .count = 0 };
+    dpt_mesh_get_info(needle.subject->mesh, &info);
+    if (info.source_triangles > TRIANGLES_MOST)
+        return;
+    for (uint32_t i = 0; i < info.source_triangles; i++)
+        of_triangle[i] = (uint8_t)draw_below((count < REGIONS_MOST ? count : REGIONS_MOST) + 1);
+    for (uint32_t i = 0; i < REGIONS_MOST; i++)
+        regions[i] = (dpt_body_region){ .size = sizeof *regions,
+                                        .puncture_force = draw_one_in(3) ? 0.0 : draw_in(0.01, 50.0),
+                                        .toughness = draw_one_in(3) ? 0.0 : draw_in(1.0, 1e4),
+                                        .cutting_force = draw_in(0.0, 20.0),
+                                        .shaft_friction = draw_in(0.0, 1000.0),
+                                        .shaft_viscosity = draw_in(0.0, 1000.0) };
+    if (is_wrong)
+        regions[0].toughness = -1.0;
+    if (is_odd)
+        of_triangle[draw_below(info.source_triangles)] = REGIONS_MOST + 1;
+    may_fail(&codes, no_world, DPT_E_ARGUMENT);
+    may_fail(&codes, no_body, DPT_E_HANDLE);
+    may_fail(&codes, has_too_many, DPT_E_LIMIT);
+    may_fail(&codes, count && (is_short || is_wrong), DPT_E_ARGUMENT);
+    may_fail(&codes, count && is_odd, DPT_E_INDEX);
+    expect(RESULT(dpt_body_set_regions, no_world ? NULL : needle.world, no_body ? 0 : needle.body, of_triangle,
+                  info.source_triangles - (uint32_t)is_short, regions, count),
+           &codes);
+    if (codes.count)
+        dpt_body_set_regions(needle.world, needle.body, NULL, 0, NULL, 0);
 }
 
 static void look(void)
@@ -116,6 +155,8 @@ static void end(void)
             HOLDS(dpt_body_remove(needle.world, needle.body) == DPT_OK, "it stays");
             add_body();
         }
+        if (draw_one_in(10))
+            set_regions();
         if (draw_one_in(40))
             HOLDS(dpt_world_reset(needle.world) == DPT_OK, "no reset");
         move();

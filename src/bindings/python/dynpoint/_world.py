@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Any, Optional, Tuple, Type, Union
+from typing import Any, Mapping, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _dynpoint
 from ._mesh import Mesh
-from ._structs import (CHANNEL, CONTACT, FORCE, HIT, LOAD, SEGMENT, SPRINGS_INFO, STEP, SWEEP, TOOL_LOAD, WORLD_INFO,
-                       Floats, Force, Numbers, Records, room)
+from ._structs import (CHANNEL, CONTACT, FORCE, HIT, LOAD, REGION, SEGMENT, SPRINGS_INFO, STEP, SWEEP, TOOL_LOAD,
+                       WORLD_INFO, Floats, Force, Numbers, Records, room)
 
 
 def make_segments(a: Any, b: Any = None, radius: Any = 0.0) -> Records:
@@ -150,6 +150,17 @@ class Body(_Member, _dynpoint.Body):
     def wrench(self) -> Floats:
         """What all tools do to it: force, torque about its frame's origin, in world axes."""
         return np.array(self.get_wrench())
+
+    def set_regions(self, of_triangle: Any, regions: Sequence[Mapping[str, float]]) -> None:  # type: ignore[override]
+        """Parts of the surface that take of a needle what they say: `puncture_force`, `toughness`, `cutting_force`,
+        `shaft_friction`, `shaft_viscosity`. `of_triangle`: a number a triangle of the source, 0: none, k: regions[k - 1].
+        """
+        laws = np.zeros(len(regions), REGION)
+        laws["size"] = REGION.itemsize
+        for i, region in enumerate(regions):
+            for name, value in region.items():
+                laws[name][i] = value
+        _dynpoint.Body.set_regions(self, np.asarray(of_triangle, np.uint8).tobytes(), laws.tobytes())
 
     def __repr__(self) -> str:
         if not self.valid:
