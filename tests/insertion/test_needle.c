@@ -291,6 +291,68 @@ static void jumps_are_ruptures(void)
     }
 }
 
+/* J: of bristles, which give by 10 um, and of the tick in which a wall opens. */
+#define BRISTLES 4e-5
+
+/*
+ * What each rupture sets free, from the tick before its first flag to the first without one: what was stored and given,
+ * less what is stored and what friction and cutting took. It is at most what the membrane held, F^2 / 2k.
+ */
+static double resistance(const struct needle_rig *needle)
+{
+    dpt_channel channels[16];
+    double sum = 0;
+    const uint32_t count = needle_channels(needle, channels, 16);
+    for (uint32_t i = 0; i < count; i++)
+        sum += channels[i].flags & DPT_CHANNEL_FLAG_OCCUPIED ? channels[i].friction + channels[i].tip : 0.0;
+    return sum;
+}
+
+static void a_rupture_takes_what_was_held(void)
+{
+    for (int kind = 0; kind < 4; kind++) {
+        struct needle_rig needle;
+        dpt_body_settings gel = needle_gel();
+        uint64_t seed = 5 + (uint64_t)kind;
+        double last = 0, stored = 0, held = 0, given = 0, resisted = 0, tip = 0;
+        int was_flagged = 0, ruptures = 0;
+        gel.puncture_force = kind & 1 ? 1.2 : 3.0;
+        gel.stiffness = kind & 2 ? 900 : 0;
+        needle_open(&needle, &gel, 16);
+        for (int i = 0; i < 16000; i++) {
+            const double before = needle.depth, was = stored;
+            /* Through the box and out, each time elsewhere. */
+            const double phase = i % 4000 / 4000.0;
+            if (i % 4000 == 0)
+                needle.at[0] = -0.01 + 0.006 * (i / 4000);
+            needle.depth = 0.05 - 0.06 * cos(6.283185307179586 * phase) + random_in(&seed, -2e-6, 2e-6);
+            needle_step(&needle);
+            const double force = needle_force(&needle);
+            const int is_flagged = (needle.rig.force.flags & DPT_FORCE_FLAG_RUPTURE) != 0;
+            const double resists = resistance(&needle), now = needle_tip(&needle);
+            stored = needle.rig.force.energy;
+            if (is_flagged && !was_flagged) {
+                held = was;
+                given = 0;
+            }
+            if (is_flagged || was_flagged)
+                given += 0.5 * (force + last) * (needle.depth - before) - 0.5 * (resists + resisted) * (now - tip);
+            if (was_flagged && !is_flagged) {
+                const double freed = held + given - stored;
+                CHECK(freed >= -BRISTLES && freed <= held + BRISTLES, "kind %d, tick %d: %g J set free of %g held",
+                      kind, i, freed, held);
+                ruptures += freed > 1e-4;
+            }
+            was_flagged = is_flagged;
+            last = force;
+            resisted = resists;
+            tip = now;
+        }
+        CHECK(ruptures >= 4, "%d ruptures", ruptures);
+        needle_close(&needle);
+    }
+}
+
 /* To and fro near the surface, where little is inside and nothing is cut: bristles hold no more than they got. */
 static void shallow_bristles_hold_what_they_got(void)
 {
@@ -383,6 +445,7 @@ int main(void)
     TEST(nothing_creeps);
     TEST(layers_come_in_order);
     TEST(jumps_are_ruptures);
+    TEST(a_rupture_takes_what_was_held);
     TEST(shallow_bristles_hold_what_they_got);
     TEST(nothing_gives_energy);
     return check_report();

@@ -6,7 +6,7 @@
  */
 #include "fuzz/calls/rules.h"
 
-enum { CHANNELS_MOST = 3, ACTIONS = 40, REGIONS_MOST = 3, TRIANGLES_MOST = 4096 };
+enum { CHANNELS_MOST = 3, ACTIONS = 40, REGIONS_MOST = 3, FACES_MOST = 4096 };
 
 static struct {
     const struct subject *subject;
@@ -58,7 +58,7 @@ static void open_world(void)
 /* Regions of the body, well and badly. */
 static void set_regions(void)
 {
-    static uint8_t of_triangle[TRIANGLES_MOST];
+    static uint8_t of_triangle[FACES_MOST];
     dpt_mesh_info info = { .size = sizeof info };
     dpt_body_region regions[REGIONS_MOST] = { { .size = sizeof *regions } };
     const int no_world = draw_one_in(30), no_body = draw_one_in(30), is_short = draw_one_in(30),
@@ -67,7 +67,7 @@ static void set_regions(void)
     const uint32_t count = has_too_many ? DPT_BODY_REGIONS_MAX + 1 : draw_below(REGIONS_MOST + 1);
     struct codes codes = { .count = 0 };
     dpt_mesh_get_info(needle.subject->mesh, &info);
-    if (info.source_triangles > TRIANGLES_MOST)
+    if (info.source_triangles > FACES_MOST)
         return;
     for (uint32_t i = 0; i < info.source_triangles; i++)
         of_triangle[i] = (uint8_t)draw_below((count < REGIONS_MOST ? count : REGIONS_MOST) + 1);
@@ -110,6 +110,15 @@ static void look(void)
                   isfinite(channels[i].depth) && channels[i].inside >= 0.0 && isfinite(channels[i].friction) &&
                   isfinite(channels[i].tip),
               "channel %u of body %x", channels[i].id, channels[i].body);
+    static unsigned char snapshot[1 << 14];
+    dpt_snapshot_channel seen = { .size = sizeof seen };
+    size_t bytes = 0;
+    HOLDS(dpt_world_take_snapshot(needle.world, NULL, snapshot, sizeof snapshot, &bytes) == DPT_OK, "no snapshot");
+    const uint32_t which = draw_below(CHANNELS_MOST);
+    const dpt_result read = RESULT(dpt_snapshot_get_channel, snapshot, bytes, which, &seen);
+    HOLDS(which < count ? read == DPT_OK && seen.id == channels[which].id && seen.depth == channels[which].depth
+                        : read == DPT_E_ARGUMENT,
+          "channel %u of %u in a snapshot: %s", which, count, dpt_result_name(read));
     game_digest(&wrench, sizeof wrench);
     game_digest(&count, sizeof count);
 }

@@ -10,6 +10,9 @@
 #include "dynpoint/recorder.h"
 #include "fuzz/calls/calls.h"
 
+/* The bytes of dpt_record in its first release. */
+#define RECORD_FIRST ((uint32_t)offsetof(dpt_record, depth))
+
 enum { RECORDS = 6, ROOM = 8192, STRUCT_SIZE_MAX = 4096 };
 
 /* The last recording that was written, and what is in it. */
@@ -93,13 +96,13 @@ static void write_one(void)
     struct codes codes = { .count = 0 };
     const int no_record = draw_one_in(20), no_bytes = draw_one_in(20), no_count = draw_one_in(20);
     const dpt_record record = draw_record();
-    const uint32_t size = draw_size(sizeof record, sizeof record);
-    const void *given = draw_input(0, &record, size, sizeof record, sizeof record, &codes);
+    const uint32_t size = draw_size(RECORD_FIRST, sizeof record);
+    const void *given = draw_input(0, &record, size, RECORD_FIRST, sizeof record, &codes);
     const size_t bytes = CALL(dpt_record_bytes);
     const size_t capacity = draw_one_in(4) ? draw_below(2 * (uint32_t)bytes) : bytes;
     unsigned char *to = output_of(1, capacity);
     size_t written = 77;
-    size_codes_of_output(size, sizeof record, 1, &codes);
+    size_codes_of_output(size, RECORD_FIRST, 1, &codes);
     may_fail(&codes, no_record || no_bytes || no_count, DPT_E_ARGUMENT);
     may_fail(&codes, capacity < bytes, DPT_E_MEMORY);
     const dpt_result result = RESULT(dpt_record_write, no_record ? NULL : given, 1, no_bytes ? NULL : to, capacity,
@@ -110,11 +113,13 @@ static void write_one(void)
         HOLDS(output_is_untouched(1, 0) && written == 77, "a record that was refused");
         return;
     }
-    dpt_record again = { .size = sizeof again };
+    dpt_record again = { .size = sizeof again }, kept = record;
+    if (size < sizeof kept)
+        memset((unsigned char *)&kept + size, 0, sizeof kept - size);
     size_t at = 0;
     uint32_t count = 0;
     HOLDS(RESULT(dpt_record_read, to, bytes, &at, &again, 1, &count) == DPT_OK && count == 1 && at == bytes &&
-              !memcmp(&again, &record, sizeof record),
+              !memcmp(&again, &kept, sizeof kept),
           "another record is read");
 }
 
@@ -164,8 +169,8 @@ static void read_some(void)
 {
     struct codes codes = { .count = 0 };
     const int no_bytes = draw_one_in(30), no_out = draw_one_in(30), no_at = draw_one_in(30), no_count = draw_one_in(30);
-    const uint32_t size = draw_size(sizeof(dpt_record), sizeof(dpt_record));
-    const int is_size = size >= sizeof(dpt_record) && size <= STRUCT_SIZE_MAX && size % 8 == 0;
+    const uint32_t size = draw_size(RECORD_FIRST, sizeof(dpt_record));
+    const int is_size = size >= RECORD_FIRST && size <= STRUCT_SIZE_MAX && size % 8 == 0;
     const uint32_t capacity = draw_below(RECORDS + 2);
     const size_t bytes = CALL(dpt_record_bytes);
     if (!first_record)
@@ -182,7 +187,7 @@ static void read_some(void)
     memcpy(out, &size, sizeof size);
     whole = whole < capacity ? whole : capacity;
     if (!no_out)
-        size_codes_of_output(size, sizeof(dpt_record), 1, &codes);
+        size_codes_of_output(size, RECORD_FIRST, 1, &codes);
     may_fail(&codes, no_bytes || no_out || no_at || no_count || is_behind, DPT_E_ARGUMENT);
     const int is_wrong = codes.count > 0;
     may_fail(&codes, !is_wrong && !whole && capacity && cut > begin, DPT_E_TRUNCATED);
@@ -198,7 +203,7 @@ static void read_some(void)
     HOLDS(count == whole && at == begin + whole * bytes, "%u records, up to %zu", count, at);
     for (uint32_t i = 0; i < count; i++)
         HOLDS(!memcmp(out + (size_t)i * size + sizeof size, (const unsigned char *)&records[from + i] + sizeof size,
-                      sizeof(dpt_record) - sizeof size),
+                      (size < sizeof(dpt_record) ? size : sizeof(dpt_record)) - sizeof size),
               "record %u is another", from + i);
     HOLDS(output_is_untouched(0, count ? (size_t)count * size : sizeof size), "more was written");
 }
