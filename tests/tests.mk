@@ -293,7 +293,7 @@ check-page: all $(B)/tests/page/feel_again ## the page with the core in it, agai
 pictures: all ## the pictures of README and docs: drawings by the core itself, stills and a moving one by a headless Chromium
 	@sh tests/pictures/make.sh $(B)
 
-BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs host_ticks python_ticks)
+BENCH_PROGRAMS := $(patsubst %,$(B)/tests/bench/%,dump_mesh deform strips budgets strip_coverage springs spring_methods soft_liver scenes tori snapshots sweeps rests jumps pauses tips joined proxy_ticks proxy_jumps proxy_hangs host_ticks python_ticks needle_peers)
 measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@sh tests/bench/run.sh $(B)
 	@sh tests/bench/deform.sh $(B)
@@ -301,6 +301,7 @@ measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@sh tests/bench/strips.sh $(B)
 	@$(B)/tests/bench/strip_coverage >$(B)/bench/strip_coverage.csv
 	@sh tests/bench/needle.sh $(B)
+	@$(B)/tests/bench/needle_peers >$(B)/bench/needle_peers.csv
 	@sh tests/bench/soft.sh $(B)
 	@sh tests/bench/soft.sh $(B) feel
 	@sh tests/bench/repeats.sh $(B)/bench/springs.csv $(B)/tests/bench/springs cost
@@ -347,7 +348,7 @@ $(B)/tests/bench/scenes $(B)/tests/bench/tori: $(B)/tests/bench/play.o
 $(B)/tests/bench/soft_liver $(B)/tests/bench/scenes $(B)/tests/bench/tori $(B)/tests/bench/snapshots: %: %.o $(B)/src/scene/scene_list.o $(B)/src/scene/shape.o $(B)/src/scene/shape_organs.o \
                              $(TEXT) $(COMPILE) $(CORE)
 	$(CC) $(CONFIG_CFLAGS) $(LDFLAGS) $^ -lm $(THREADS) -o $@
-$(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined $(B)/tests/bench/proxy_ticks $(B)/tests/bench/proxy_jumps $(B)/tests/bench/proxy_hangs: %: %.o $(PARTS_LIB) $(TEST_LIB)
+$(B)/tests/bench/sweeps $(B)/tests/bench/rests $(B)/tests/bench/jumps $(B)/tests/bench/pauses $(B)/tests/bench/tips $(B)/tests/bench/joined $(B)/tests/bench/proxy_ticks $(B)/tests/bench/proxy_jumps $(B)/tests/bench/proxy_hangs $(B)/tests/bench/needle_peers: %: %.o $(PARTS_LIB) $(TEST_LIB)
 	$(LINK_TEST)
 $(B)/tests/bench/proxy_jumps: $(B)/tests/proxy/jump_run.o $(B)/tests/proxy/soak_oracle.o
 $(B)/tests/bench/proxy_hangs: $(B)/tests/proxy/hang_run.o

@@ -466,6 +466,38 @@ def springs_map(rows):
     return "\n".join(out) + "\n"
 
 
+def needle_peers(rows):
+    """What a tick of a needle takes, and how far its force is from the stated law's, by method and setting."""
+    styles = {"dynpoint": ("dynpoint", "#154360", "units of work a tick"), "penalty": ("penalty needle", "#d55e00", "nodes"),
+              "ray": ("ray that sticks to its entry", "#009e73", "")}
+    x = Axis([float(r["ns"]) / 1e3 for r in rows], LEFT, WIDTH - RIGHT)
+    y = Axis([float(r[column]) for r in rows for column in ("rms", "rms_going")], HEIGHT - BOTTOM, TOP)
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" fill="#222">',
+           f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
+           text(LEFT, 22, "A needle that goes in, rests, and comes out: error of its force", "start", 16, 'font-weight="bold"'),
+           text(LEFT, 40, "Root mean square: full marks of all ticks, open ones of those in which it goes in.", "start", 12)]
+    for mark in y.marks:
+        out.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y.at(mark):.1f}" y2="{y.at(mark):.1f}" stroke="#ddd"/>')
+        out.append(text(LEFT - 8, y.at(mark) + 4, f"{mark:g}", "end"))
+    for mark in x.marks:
+        out.append(text(x.at(mark), HEIGHT - BOTTOM + 20, f"{mark:g}"))
+    out.append(text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 14, "median of a tick, us"))
+    out.append(text(18, (TOP + HEIGHT - BOTTOM) / 2, "N", extra=f'transform="rotate(-90 18 {(TOP + HEIGHT - BOTTOM) / 2})"'))
+    for number, (method, (name, colour, unit)) in enumerate(styles.items()):
+        mine = [r for r in rows if r["method"] == method]
+        for r in mine:
+            at = x.at(float(r["ns"]) / 1e3)
+            out.append(f'<circle cx="{at:.1f}" cy="{y.at(float(r["rms"])):.1f}" r="5" fill="{colour}"/>')
+            out.append(f'<circle cx="{at:.1f}" cy="{y.at(float(r["rms_going"])):.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2"/>')
+        settings = ", ".join("without a budget" if r["setting"] == "0" else r["setting"] for r in mine)
+        out.append(text(WIDTH - RIGHT + 12, TOP + 20 + 60 * number, name, "start", 13, f'fill="{colour}" font-weight="bold"'))
+        if unit:
+            out.append(text(WIDTH - RIGHT + 12, TOP + 36 + 60 * number, settings, "start", 11))
+            out.append(text(WIDTH - RIGHT + 12, TOP + 50 + 60 * number, unit, "start", 11))
+    out.append("</svg>")
+    return "\n".join(out) + "\n"
+
+
 def read(path):
     with open(path, newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -484,6 +516,7 @@ DRAWN = {
     "strip_coverage": ("strip-recall", {"strip-recall": strip_recall}),
     "budgets": ("contact-budget", {"contact-budget": contact_budget}),
     "needle": ("needle-force", {"needle-force": needle_force}),
+    "needle_peers": ("needle-peers", {"needle-peers": needle_peers}),
     "deform": ("deform", {"deform": moving_mesh}),
     "springs_map": ("springs-map", {"springs-map": springs_map}),
     "soft_liver": ("soft-liver", {}),
