@@ -469,7 +469,7 @@ def springs_map(rows):
 def needle_peers(rows):
     """What a tick of a needle takes, and how far its force is from the stated law's, by method and setting."""
     styles = {"dynpoint": ("dynpoint", "#154360", "units of work a tick"), "penalty": ("penalty needle", "#d55e00", "nodes"),
-              "ray": ("ray that sticks to its entry", "#009e73", "")}
+              "ray": ("sticking ray", "#009e73", "")}
     x = Axis([float(r["ns"]) / 1e3 for r in rows], LEFT, WIDTH - RIGHT)
     y = Axis([float(r[column]) for r in rows for column in ("rms", "rms_going")], HEIGHT - BOTTOM, TOP)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" fill="#222">',
