@@ -95,6 +95,16 @@ void needle_go(struct needle_rig *needle, double depth, double speed)
     }
 }
 
+void needle_wander(struct needle_rig *needle, struct needle_wander *wander)
+{
+    wander->speed = 0.999 * wander->speed + random_in(&wander->seed, -0.004, 0.005);
+    wander->depth += wander->speed * needle->rig.dt;
+    if (wander->depth < -0.004 || wander->depth > 0.092)
+        wander->speed = wander->depth < 0 ? 0.01 : -0.01;
+    needle->depth = wander->depth + random_in(&wander->seed, -2e-6, 2e-6);
+    needle_step(needle);
+}
+
 double needle_force(const struct needle_rig *needle)
 {
     const double *force = needle->rig.force.wrench.force;

@@ -47,6 +47,15 @@ void needle_step(struct needle_rig *needle);
 /* Steps by `speed` m/s up to that depth. */
 void needle_go(struct needle_rig *needle, double depth, double speed);
 
+/* A hand that wanders in and out of what is beneath NEEDLE_TOP, at some mm/s, with noise of 2 um. Begin with a seed. */
+struct needle_wander {
+    uint64_t seed;
+    double speed, depth;
+};
+
+/* A step of it. */
+void needle_wander(struct needle_rig *needle, struct needle_wander *wander);
+
 /* N: along the needle, against going in. */
 double needle_force(const struct needle_rig *needle);
 

@@ -255,23 +255,18 @@ static void jumps_are_ruptures(void)
     for (int kind = 0; kind < 4; kind++) {
         struct needle_rig needle;
         dpt_body_settings gel = needle_gel();
-        uint64_t seed = 7 + (uint64_t)kind;
-        double last = 0, stored = 0, depth, speed = 0;
+        struct needle_wander wander = { .seed = 7 + (uint64_t)kind };
+        double last = 0, stored = 0;
         int was_flagged = 0, flagged = 0;
         gel.puncture_force = 3;
         gel.stiffness = kind & 1 ? 900 : 0;
         gel.shaft_stiffness = kind & 1 ? 0 : 8e3;
         needle_open(&needle, &gel, 1);
         needle.rig.dt = kind & 2 ? 1e-4 : 1e-3;
-        depth = needle.depth;
+        wander.depth = needle.depth;
         for (int i = 0; i < 60000; i++) {
             const double before = needle.depth;
-            speed = 0.999 * speed + random_in(&seed, -0.004, 0.005);
-            depth += speed * needle.rig.dt;
-            if (depth < -0.004 || depth > 0.092)
-                speed = depth < 0 ? 0.01 : -0.01;
-            needle.depth = depth + random_in(&seed, -2e-6, 2e-6);
-            needle_step(&needle);
+            needle_wander(&needle, &wander);
             const double moved = fabs(needle.depth - before), force = needle_force(&needle);
             const int is_flagged = (needle.rig.force.flags & DPT_FORCE_FLAG_RUPTURE) != 0;
             CHECK(fabs(force - last) <= STIFFNESS * (3 * moved + needle.rig.dt) * 1.001 + 1e-9, "tick %d: %g N", i,

@@ -104,23 +104,18 @@ static void nothing_is_gained(void)
     dpt_body_region slick = { .size = sizeof slick, .puncture_force = 0.3, .shaft_friction = 2.0 },
                     both[2] = { slick, tough };
     for (int kind = 0; kind < 4; kind++) {
-        uint64_t seed = 3 + (uint64_t)kind;
-        double stored = 0, last = 0, speed = 0, depth, deepest = 0;
+        struct needle_wander wander = { .seed = 3 + (uint64_t)kind };
+        double stored = 0, last = 0, deepest = 0;
         for (int i = 0; i < TRIANGLES; i++)
             of[i] = (uint8_t)((i >= 12) == (kind & 1) ? 1 : 2);
         needle_open_over_plates(&needle, &pile, PLATES, THICK, PITCH);
         gel.shaft_stiffness = kind & 2 ? 6e3 : 0;
         rig_set_body(&needle.rig, gel);
         CHECK(dpt_body_set_regions(needle.rig.world, needle.rig.body, of, TRIANGLES, both, 2) == DPT_OK, "regions");
-        depth = needle.depth;
+        wander.depth = needle.depth;
         for (int i = 0; i < 30000; i++) {
             const double before = needle.depth;
-            speed = 0.999 * speed + random_in(&seed, -0.004, 0.005);
-            depth += speed * needle.rig.dt;
-            if (depth < -0.004 || depth > 0.092)
-                speed = depth < 0 ? 0.01 : -0.01;
-            needle.depth = depth + random_in(&seed, -2e-6, 2e-6);
-            needle_step(&needle);
+            needle_wander(&needle, &wander);
             const double force = needle_force(&needle);
             const double gained = needle.rig.force.energy - stored - 0.5 * (force + last) * (needle.depth - before);
             CHECK(gained <= 1e-9 + 4e-7 * fabs(force), "kind %d, tick %d: %g J gained", kind, i, gained);
