@@ -163,8 +163,8 @@ static PyObject *body_set_regions(PyObject *object, PyObject *args)
     if (world) {
         is_kept = keep(self->world, self->id | REGIONS, of_triangle) == 0;
         if (is_kept)
-            result = dpt_body_set_regions(world, self->id, (const uint8_t *)PyBytes_AS_STRING(of_triangle),
-                                          (uint32_t)PyBytes_GET_SIZE(of_triangle), regions.buf, count);
+            result = dpt_body_set_regions(world, self->id, (const uint8_t *)PyBytes_AsString(of_triangle),
+                                          (uint32_t)PyBytes_Size(of_triangle), regions.buf, count);
         dpy_world_leave(self->world);
     }
     PyBuffer_Release(&regions);

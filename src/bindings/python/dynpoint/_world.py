@@ -151,7 +151,7 @@ class Body(_Member, _dynpoint.Body):
         """What all tools do to it: force, torque about its frame's origin, in world axes."""
         return np.array(self.get_wrench())
 
-    def set_regions(self, of_triangle: Any, regions: Sequence[Mapping[str, float]]) -> None:  # type: ignore[override]
+    def set_regions(self, of_triangle: Any, regions: Sequence[Mapping[str, float]]) -> None:
         """Parts of the surface that take of a needle what they say: `puncture_force`, `toughness`, `cutting_force`,
         `shaft_friction`, `shaft_viscosity`. `of_triangle`: a number a triangle of the source, 0: none, k: regions[k - 1].
         """

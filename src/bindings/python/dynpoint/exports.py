@@ -66,6 +66,10 @@ FIELDS: Dict[str, Tuple[str, str, str]] = {
     "energy": ("J", "", "that the law stores: " + _HOST),
     "lag": ("m", "world", "how far the proxy still is from its rest: " + _HOST),
     "point": ("m", "world", "the nearest point of the mesh: " + _HOST),
+    "depth": ("m", "", "of a needle's tip beyond the entry of its first channel: " + _HOST),
+    "inside": ("m", "", "length of its shaft in all bodies: " + _HOST),
+    "ruptures": ("", "", "walls that are open in its channels: " + _HOST),
+    "layers": ("", "", "that its tip has gone into: " + _HOST),
 }
 
 
