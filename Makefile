@@ -111,7 +111,9 @@ PLATFORM_PROGRAM := $(filter %_program.o,$(PLATFORM_ALL))
 PLATFORM_SERIAL := $(filter %_serial.o,$(PLATFORM_ALL))
 # One driver alone loads a library; a program without it may be linked statically.
 PLATFORM_LIBRARY := $(if $(filter openhaptics,$(DRIVERS)),,$(filter %_library.o,$(PLATFORM_ALL)))
-PLATFORM_PARTS := $(filter-out $(PLATFORM_PROGRAM) $(PLATFORM_SERIAL) $(PLATFORM_LIBRARY),$(PLATFORM_ALL))
+# What an interpreter's extension asks of its system, and nothing else does.
+PLATFORM_INTERPRETER := $(filter %_interpreter.o,$(PLATFORM_ALL))
+PLATFORM_PARTS := $(filter-out $(PLATFORM_PROGRAM) $(PLATFORM_SERIAL) $(PLATFORM_LIBRARY) $(PLATFORM_INTERPRETER),$(PLATFORM_ALL))
 # Firmware copies wire_device.[ch] (docs/wire.md); no host needs it.
 WIRE_DEVICE := $(B)/drivers/serial/wire_device.o
 DRIVER_PARTS := $(filter-out $(WIRE_DEVICE),$(call objects,drivers/*.c $(DRIVERS:%=drivers/%/*.c))) $(PLATFORM_PARTS) $(PLATFORM_SERIAL)

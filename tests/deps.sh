@@ -27,7 +27,7 @@ build|27 MB, and 340 for a chroot|projects built with CMake, also in an empty ch
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
 python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv
-wheels|72 MB, 10 more of another machine, and some 310 from PyPI|the wheels of a release of the package of Python, also for AArch64|python3 python3-venv libjansson-dev libccd-dev qemu-user-static
+wheels|272 MB, 37 more of another machine and of sources, 26 from Maven, and some 350 from PyPI|the wheels of a release of the package of Python, also for AArch64, musl, Windows and macOS|python3 python3-venv libjansson-dev libccd-dev qemu-user-static binutils musl-tools wine64 wine maven
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
 docs|72 MB, and 60 from PyPI|the site of the pages, with both APIs: make docs|doxygen python3 python3-dev python3-venv
 wasm|75 MB, and TypeScript from npm|the core for browsers and node: WebAssembly, and its package of npm|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs npm
@@ -38,12 +38,13 @@ names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
 unasked='newton\|wheels\|docs' # the first two are for make check-release, the last for make docs
 
 # missing PACKAGE...: those that are not installed. Of node there are other packages, with npm in them, which Debian's
-# npm would remove.
+# npm would remove; and mvn may be of elsewhere.
 missing() {
     for package; do
         case $package in
         nodejs) ! command -v node >/dev/null 2>&1 || continue ;;
         npm) ! command -v npm >/dev/null 2>&1 || continue ;;
+        maven) ! command -v mvn >/dev/null 2>&1 || continue ;;
         esac
         dpkg -s "$package" 2>/dev/null | grep -q '^Status: .* installed$' || printf '%s ' "$package"
     done
@@ -70,7 +71,8 @@ fetch() {
     wheels)
         sh tests/python/foreign_root.sh build/foreign
         foreign=$?
-        sh tests/lib/venv.sh build/venv-wheels tests/python/requirements-wheels.txt && [ $foreign -eq 0 ]
+        sh tests/lib/venv.sh build/venv-wheels tests/python/requirements-wheels.txt &&
+            sh tests/python/other_systems.sh build/wheel-systems build/venv-wheels/bin/python && [ $foreign -eq 0 ]
         ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
     docs) sh tests/lib/venv.sh build/venv-docs tests/docs/requirements.txt ;;

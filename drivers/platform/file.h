@@ -61,7 +61,7 @@ int file_make_private_folder(const char *parent, char *folder, size_t room);
  */
 int file_open_kept(const char *folder, const char *path);
 
-/* Memory aligned for a file's bytes, which free() frees. NULL: it ran out. */
+/* Memory aligned for a file's bytes or a block of the library's, which free() frees. NULL: it ran out. */
 void *file_memory(size_t size);
 
 #endif

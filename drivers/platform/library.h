@@ -15,6 +15,9 @@ extern const char library_names_text_of_hd[]; /* the same, for people */
  */
 void *library_load(const char *name, char *reason, size_t room);
 
+/* The same, but what it and its libraries define serves nothing else that is loaded later. */
+void *library_load_apart(const char *name, char *reason, size_t room);
+
 /* A function or object of it, or NULL. */
 void *library_find(void *library, const char *name);
 

@@ -7,22 +7,16 @@ set -u
 case $1 in /*) folder=$1 ;; *) folder=$PWD/$1 ;; esac
 [ ! -f "$folder/complete" ] || exit 0
 rm -rf "$folder"
-mkdir -p "$folder/lists/partial" "$folder/source" "$folder/lib/pkgconfig"
+mkdir -p "$folder/lib/pkgconfig"
 {
-    # Where this machine's packages come from, their sources come from too.
-    for file in /etc/apt/sources.list.d/debian.sources; do
-        sed 's/^Types:.*/Types: deb-src/' "$file"
-    done >"$folder/debian.sources"
-    apt="-o Dir::Etc::sourcelist=$folder/debian.sources -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists=$folder/lists"
-    apt-get $apt update && cd "$folder/source" && apt-get $apt source --download-only jansson libwebsockets &&
-        for tar in jansson_*.orig.tar.* libwebsockets_*.orig.tar.*; do tar xf "$tar" || exit 1; done &&
+    sh tests/lib/sources.sh "$folder/source" jansson libwebsockets && cd "$folder/source" &&
         common="-DCMAKE_SYSTEM_NAME=Windows -DCMAKE_C_COMPILER=x86_64-w64-mingw32-gcc -DCMAKE_RC_COMPILER=x86_64-w64-mingw32-windres
             -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=$folder" &&
-        cmake -S jansson-*/ -B jansson $common -DJANSSON_BUILD_DOCS=OFF -DJANSSON_WITHOUT_TESTS=ON -DJANSSON_EXAMPLES=OFF &&
-        make -C jansson install &&
-        cmake -S libwebsockets-*/ -B libwebsockets $common -DLWS_WITH_SSL=OFF -DLWS_WITHOUT_TESTAPPS=ON -DLWS_WITH_SHARED=OFF \
+        cmake -S jansson -B made/jansson $common -DJANSSON_BUILD_DOCS=OFF -DJANSSON_WITHOUT_TESTS=ON -DJANSSON_EXAMPLES=OFF &&
+        make -C made/jansson install &&
+        cmake -S libwebsockets -B made/libwebsockets $common -DLWS_WITH_SSL=OFF -DLWS_WITHOUT_TESTAPPS=ON -DLWS_WITH_SHARED=OFF \
             -DLWS_IPV6=ON -DLWS_WITHOUT_EXTENSIONS=ON -DLWS_WITH_MINIMAL_EXAMPLES=OFF -DLWS_WITH_HTTP2=OFF -DDISABLE_WERROR=ON &&
-        make -C libwebsockets install &&
+        make -C made/libwebsockets install &&
         printf '%s\n' 'Name: libwebsockets' 'Description: web sockets' 'Version: 4.1.6' "Cflags: -I$folder/include" \
             "Libs: -L$folder/lib -lwebsockets_static -lws2_32 -liphlpapi -lpsapi" >"$folder/lib/pkgconfig/libwebsockets.pc" &&
         touch "$folder/complete"

@@ -6,14 +6,14 @@ import os
 import struct
 import sys
 
-LOAD, ID, RPATH, SYMTAB = 0xC, 0xD, 0x8000001C, 0x2
+LOAD, ID, RPATH, SYMTAB, BUILD_VERSION = 0xC, 0xD, 0x8000001C, 0x2, 0x32
 # What zig's linker puts into each library.
 OF_LINKER = {"__dso_handle", "_mh_dylib_header"}
 EXTERNAL, KIND, UNDEFINED, PRIVATE = 0x01, 0x0E, 0x00, 0x10
 
 
-def read(path):
-    data = open(path, "rb").read()
+def read(data):
+    """The names in its load commands, by their kind, and the symbols that it exports."""
     magic, _, _, _, count = struct.unpack_from("<5I", data)
     assert magic == 0xFEEDFACF, "not a Mach-O file of 64 bits"
     at, names, exported = 32, {LOAD: [], ID: [], RPATH: []}, set()
@@ -33,8 +33,22 @@ def read(path):
     return names, exported - OF_LINKER
 
 
+def machine(data):
+    """The processor, and the oldest macOS that it runs on: (11, 0)."""
+    _, processor, _, _, count = struct.unpack_from("<5I", data)
+    at, oldest = 32, None
+    for _ in range(count):
+        command, size = struct.unpack_from("<2I", data, at)
+        if command == BUILD_VERSION:
+            version = struct.unpack_from("<2I", data, at + 8)[1]
+            oldest = (version >> 16, version >> 8 & 255)
+        at += size
+    return {0x0100000C: "aarch64", 0x01000007: "x86_64"}[processor], oldest
+
+
 def main(path, list_path):
-    names, exported = read(path)
+    with open(path, "rb") as file:
+        names, exported = read(file.read())
     findings = []
     if names[ID] != ["@rpath/" + os.path.basename(path)]:
         findings.append("its name is %s" % names[ID])
@@ -53,4 +67,5 @@ def main(path, list_path):
     return 1 if findings else 0
 
 
-sys.exit(main(sys.argv[1], sys.argv[2]))
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2]))

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The wheels of a release, in make check-release: sh tests/python/wheels.sh [BUILD=build]. For x86-64 and for AArch64
 # they are made by zig for an old glibc; they are installed where there is no compiler, and answer as the C program
-# does, on AArch64 in an emulator. And pyvista's meshes; packages come from PyPI.
+# does, on AArch64 in an emulator. Those for musl, Windows and macOS are looked at; a musl's Python and a Windows' in wine
+# answer the same. And pyvista's meshes; packages come from PyPI.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 . tests/lib/verdict.sh
@@ -29,12 +30,16 @@ fi
     "$build/dynpoint" replay "$room/liver.dpa" "$room/trace.csv" --radius 0.002 -o "$room/told.csv" >>"$log" 2>&1
 verdict $? "the program's own answers, see $log"
 
+build_wheel() { # WHEEL_FOR VARIABLE...
+    rm -f "build/wheel-$1"/*.whl
+    system=$1
+    shift
+    (unset CC && PATH=$made:$PATH make -s -j"${JOBS:-2}" wheel-release WHEEL_FOR="$system" PYTHON="$made/python" "$@") >>"$log" 2>&1
+}
 # wheel MACHINE [ROOT]: it is made, for no newer a glibc than 2.28; then $wheel is its file.
 wheel() {
-    rm -f "build/manylinux-$1"/*.whl
-    (unset CC && PATH=$made:$PATH make -s -j"${JOBS:-2}" wheel-release WHEEL_FOR="$1" WHEEL_ROOT="${2:-}" \
-        PYTHON="$made/python") >>"$log" 2>&1
-    wheel=$(echo "build/manylinux-$1"/dynpoint-*-cp311-abi3-manylinux_2_2[0-8]_"$1".whl)
+    build_wheel "$1" WHEEL_ROOT="${2:-}"
+    wheel=$(echo "build/wheel-$1"/dynpoint-*-cp311-abi3-manylinux_2_2[0-8]_"$1".whl)
     [ -f "$wheel" ]
     verdict $? "a wheel for $1: ${wheel##*/}"
 }
@@ -61,6 +66,57 @@ if [ -f "$foreign/complete" ] && command -v qemu-aarch64-static >/dev/null; then
     check "and as the wheel for x86-64, also a soft scene" cmp "$room/here" "$room/there"
 else
     skip "the wheel for AArch64: no Python for it, or no emulator (make deps wheels cross)"
+fi
+# other SYSTEM: the wheel for it is made and looked at; then $wheel is its file.
+systems=$build/wheel-systems
+other() {
+    build_wheel "$1" WHEEL_JANSSON="$systems/jansson" WHEEL_PYTHON="$systems/windows/python/include"
+    wheel=$(echo "build/wheel-$1"/dynpoint-*.whl)
+    count "the wheel for $1" "$made/python" -B tests/python/look.py "$wheel" "$1"
+    check "$1: it keeps to the stable ABI of 3.11, see $log" "$made/abi3audit" --strict "$wheel"
+}
+# answers WHAT FOLDER PYTHON...: beside NumPy of the folder the wheel answers as the C program, and as the others do.
+answers() {
+    what=$1 site=$2
+    shift 2
+    rm -rf "$site/dynpoint"*
+    (cd "$site" && "$made/python" -m zipfile -e "$OLDPWD/$wheel" .) >>"$log" 2>&1
+    (cd "$room" && "$@" "$OLDPWD/tests/python/bits.py" "$organ" $unit trace.csv liver.dpa told.csv) 2>>"$log" |
+        tr -d '\r' >"$room/there"
+    cmp "$room/here" "$room/there" >>"$log" 2>&1
+    verdict $? "$what it answers as the C program, and as the wheel for glibc, also a soft scene"
+}
+if [ ! -f "$systems/jansson.complete" ]; then
+    skip "wheels for musl, Windows and macOS: no sources of jansson (make deps wheels)"
+else
+    for machine in aarch64 x86_64; do
+        other $machine-macos
+        skip "the wheel for macOS on $machine is not run: there is no macOS here"
+    done
+    other aarch64-musl
+    skip "the wheel for musl on AArch64 is not run: there is no Python for it here"
+    other x86_64-musl
+    if [ -f "$systems/musl.complete" ]; then
+        answers "on musl" "$systems/musl/site" env PYTHONPATH="$systems/musl/site" "$systems/musl/python/bin/python3.11" -B
+    else
+        skip "the wheel for musl is not run: no Python for it (make deps wheels)"
+    fi
+    if [ ! -f "$systems/windows.complete" ]; then
+        skip "the wheel for Windows: no Python for it (make deps wheels)"
+    elif ! command -v wine >/dev/null; then
+        other x86_64-windows
+        skip "the wheel for Windows is not run: no wine (make deps platforms)"
+    else
+        other x86_64-windows
+        WINEDEBUG=-all WINEPREFIX=$systems/wine WINEDLLOVERRIDES='mscoree=;mshtml=;winemenubuilder.exe='
+        export WINEDEBUG WINEPREFIX WINEDLLOVERRIDES
+        timeout 300 wine wineboot -u >>"$log" 2>&1
+        answers "on Windows, by wine," "$systems/windows/site" env PYTHONPATH="Z:$systems/windows/site" timeout 300 \
+            wine "$systems/windows/python/python.exe" -B
+        count "on Windows" env PYTHONPATH="Z:$systems/windows/site" timeout 300 wine "$systems/windows/python/python.exe" -B \
+            "$PWD/tests/python/elsewhere.py"
+        timeout 60 wineserver -k >/dev/null 2>&1
+    fi
 fi
 if [ -d "$build/python/site" ]; then
     count "pyvista" env PYTHONPATH="$build/python/site" DYNPOINT_BUILD="$build" \

@@ -5,12 +5,22 @@
 #include <dlfcn.h>
 #include <stdio.h>
 
-void *library_load(const char *name, char *reason, size_t room)
+static void *load(const char *name, int scope, char *reason, size_t room)
 {
-    void *library = dlopen(name, RTLD_NOW | RTLD_GLOBAL);
+    void *library = dlopen(name, RTLD_NOW | scope);
     const char *text = library ? NULL : dlerror();
     snprintf(reason, room, "%s", text ? text : "");
     return library;
+}
+
+void *library_load(const char *name, char *reason, size_t room)
+{
+    return load(name, RTLD_GLOBAL, reason, room);
+}
+
+void *library_load_apart(const char *name, char *reason, size_t room)
+{
+    return load(name, RTLD_LOCAL, reason, room);
 }
 
 void *library_find(void *library, const char *name)

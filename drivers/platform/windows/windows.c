@@ -152,6 +152,11 @@ void *library_load(const char *name, char *reason, size_t room)
     return library;
 }
 
+void *library_load_apart(const char *name, char *reason, size_t room)
+{
+    return library_load(name, reason, room);
+}
+
 void *library_find(void *library, const char *name)
 {
     const FARPROC found = GetProcAddress(library, name);

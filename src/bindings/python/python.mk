@@ -6,7 +6,7 @@ PY := $(B)/python
 # From any folder.
 PY_PYTHON = $(if $(findstring /,$(PYTHON)),$(abspath $(PYTHON)),$(PYTHON))
 PY_SOURCES := $(wildcard src/bindings/python/*.c)
-PY_INCLUDE = $(shell $(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("include"))')
+PY_INCLUDE ?= $(shell $(PYTHON) -c 'import sysconfig; print(sysconfig.get_path("include"))')
 # What goes by built_with.h is compiled once more: a wheel has all drivers, and asks for urdfdom, libccd and libwebsockets
 # when they are first needed (parts/): for each there is a library beside the extension, where this build could make it.
 PY_CHOSEN := $(patsubst $(B)/%,$(PY)/%,$(CHOOSERS))
@@ -14,14 +14,29 @@ PY_LOADED := $(patsubst src/%.c,$(B)/src/%.o,$(wildcard src/bindings/python/part
 PY_OBJECTS := $(filter-out $(CHOOSERS),$(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS) $(HOST)) \
   $(filter $(PY)/drivers/% $(PY)/src/%,$(PY_CHOSEN)) $(PY_SOURCES:%.c=$(B)/%.o) \
   $(addprefix $(B)/,tools/view/scene_view.o tools/view/view_scene.o tools/view/view_stream.o) \
-  $(filter-out %/part_view.o %/part_urdf.o,$(PY_LOADED))
+  $(filter-out %/part_view.o %/part_urdf.o,$(PY_LOADED)) $(PLATFORM_INTERPRETER) $(PLATFORM_LIBRARY)
 PY_PROGRAM := $(filter-out $(CHOOSERS) $(VIEW_SERVER),$(TOOLS) $(PLATFORM_PROGRAM) $(SIMULATE) $(HOST) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)) \
-  $(PY_CHOSEN) $(PY_LOADED)
+  $(PY_CHOSEN) $(PY_LOADED) $(PLATFORM_LIBRARY)
 PY_VIEW_SERVER := $(patsubst $(B)/%,$(PY)/%,$(VIEW_SERVER))
-PY_PARTS := $(addprefix $(PY)/parts/,_dynpoint.abi3.so dynpoint $(if $(URDF_PARTS),libdynpoint_urdf.so) \
+# What Python calls an extension, and how it is linked: it finds Python's symbols in the program that loads it. On Windows
+# they are python3.dll's, the DLL of the limited API, of which an import library is made: of those that are used.
+ifeq ($(PLATFORM),windows)
+PY_EXTENSION := _dynpoint.pyd
+PY_LINK_EXTENSION = $(LDFLAGS) -shared -Wl,--gc-sections
+PY_PYTHON_LIB := $(PY)/libpython3.a
+else ifeq ($(PLATFORM),macos)
+PY_EXTENSION := _dynpoint.abi3.so
+PY_LINK_EXTENSION = $(LDFLAGS) -dynamiclib -Wl,-undefined,dynamic_lookup -Wl,-install_name,@rpath/$(@F) -Wl,-dead_strip
+else
+PY_EXTENSION := _dynpoint.abi3.so
+PY_LINK_EXTENSION = $(LDFLAGS) -shared -Wl,--gc-sections -Wl,-rpath,'$$ORIGIN' -Wl,--version-script=src/bindings/python/python.map
+endif
+DLLTOOL ?= dlltool
+PY_PARTS := $(addprefix $(PY)/parts/,$(PY_EXTENSION) dynpoint$(EXE) $(if $(URDF_PARTS),libdynpoint_urdf.so) \
   $(if $(CONVEX_PARTS),libdynpoint_convex.so) $(if $(VIEW_SERVER),libdynpoint_view.so) \
   $(if $(filter yes made,$(VIEW_PAGE)),page.html page.csp))
-PY_LINK = $(CC) $(CONFIG_CFLAGS) $(LDFLAGS) -Wl,--gc-sections -Wl,-rpath,'$$ORIGIN'
+PY_LINK = $(CC) $(CONFIG_CFLAGS)
+PY_LINK_PROGRAM = $(LDFLAGS) $(if $(filter linux,$(PLATFORM)),-Wl$(comma)--gc-sections -Wl$(comma)-rpath$(comma)'$$ORIGIN')
 PY_LINK_PART = $(LDFLAGS) -shared -Wl,--gc-sections,-z,defs -Wl,--version-script=src/bindings/python/parts/part.map $^ -lm $(THREADS) $(DL)
 
 .PHONY: wheel wheel-release sdist python-parts
@@ -29,7 +44,8 @@ python-parts: $(PY_PARTS)
 
 # What setup.py packs, apart from the tree: it writes beside what it reads.
 PY_FILES := $(addprefix src/bindings/python/,setup.py pyproject.toml README.md)
-PY_COPY = rm -rf $1 && mkdir -p $1 && cp $(PY_FILES) LICENSE $1 && mkdir $1/dynpoint && \
+PY_JANSSON_LICENSE :=
+PY_COPY = rm -rf $1 && mkdir -p $1 && cp $(PY_FILES) LICENSE $1 && $(if $(PY_JANSSON_LICENSE),cp $(PY_JANSSON_LICENSE) $1/LICENSE.jansson &&) mkdir $1/dynpoint && \
   cp src/bindings/python/dynpoint/*.py src/bindings/python/dynpoint/*.pyi src/bindings/python/dynpoint/py.typed $1/dynpoint
 
 wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make deps python)
@@ -38,25 +54,65 @@ wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make 
 	cd $(PY)/package && DYNPOINT_TREE='$(CURDIR)' DYNPOINT_PARTS='$(abspath $(PY)/parts)' $(PY_PYTHON) setup.py --quiet bdist_wheel --dist-dir ..
 	@ls $(PY)/dynpoint-*.whl
 
-# zig's compiler links to the glibc that it is told, by headers of its own: those of jansson, which goes in, and of
-# libccd, which does not, are copied out of the system's, or out of WHEEL_ROOT, where Debian's packages for another
-# machine are unpacked. No library of C++ that zig links to is urdfdom's, and libwebsockets is not asked for: Python's
-# own server is there.
+# The wheels of a release are made by zig, which has headers and libraries of other systems: of glibc 2.28, of musl, of Windows
+# and of macOS 11. Python's headers are this machine's; those for Windows, whose sizes are others, are in WHEEL_PYTHON. jansson
+# goes in. For glibc it is Debian's, of the system or of WHEEL_ROOT, where packages of another machine are unpacked;
+# elsewhere it is compiled of WHEEL_JANSSON, its sources. libccd does not go in, and is loaded where Debian's headers tell how.
+# No library of C++ that zig links to is urdfdom's, and libwebsockets is not asked for: Python's own server is there.
 WHEEL_FOR ?= x86_64
 WHEEL_ROOT ?=
-MANYLINUX := build/manylinux-$(WHEEL_FOR)
-WHEEL_LIBS := $(WHEEL_ROOT)/usr/lib/$(WHEEL_FOR)-linux-gnu
+WHEEL_MACHINE := $(firstword $(subst -, ,$(WHEEL_FOR)))
+WHEEL_SYSTEM := $(or $(word 2,$(subst -, ,$(WHEEL_FOR))),glibc)
+ifeq ($(WHEEL_SYSTEM),glibc)
+WHEEL_TARGET := $(WHEEL_MACHINE)-linux-gnu.2.28
+WHEEL_TAG := linux_$(WHEEL_MACHINE)
+else ifeq ($(WHEEL_SYSTEM),musl)
+WHEEL_TARGET := $(WHEEL_MACHINE)-linux-musl
+WHEEL_TAG := musllinux_1_2_$(WHEEL_MACHINE)
+else ifeq ($(WHEEL_SYSTEM),windows)
+WHEEL_TARGET := $(WHEEL_MACHINE)-windows-gnu
+WHEEL_TAG := win_amd64
+else
+WHEEL_TARGET := $(WHEEL_MACHINE)-macos.11.0
+WHEEL_TAG := macosx_11_0_$(WHEEL_MACHINE:aarch64=arm64)
+endif
+WHEEL_MADE := build/wheel-$(WHEEL_FOR)
+WHEEL_ZIG = $(PY_PYTHON) -m ziglang
+WHEEL_LIBS := $(WHEEL_ROOT)/usr/lib/$(WHEEL_MACHINE)-linux-gnu
 WHEEL_HEADERS = $(wildcard $(foreach name,jansson.h jansson_config.h ccd, \
-  $(WHEEL_ROOT)/usr/include/$(name) $(WHEEL_ROOT)/usr/include/$(WHEEL_FOR)-linux-gnu/$(name)))
-wheel-release: ## the same for any Linux with glibc 2.28 (make deps wheels), with jansson inside; WHEEL_FOR=aarch64: for another machine
-	rm -rf $(MANYLINUX)/include $(MANYLINUX)/dynpoint-*.whl && mkdir -p $(MANYLINUX)/include
-	cp -R $(WHEEL_HEADERS) $(MANYLINUX)/include
-	DYNPOINT_PLATFORM=linux_$(WHEEL_FOR) $(MAKE) wheel B=$(MANYLINUX) CC='$(PY_PYTHON) -m ziglang cc -target $(WHEEL_FOR)-linux-gnu.2.28' \
-	  URDF=no LWS=no LDFLAGS=-Wl,-s \
-	  JANSSON=yes JANSSON_CFLAGS='-I$(MANYLINUX)/include' JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
-	  CONVEX=yes CONVEX_CFLAGS='-I$(MANYLINUX)/include' CONVEX_LIBS='$(WHEEL_LIBS)/libccd.so'
+  $(WHEEL_ROOT)/usr/include/$(name) $(WHEEL_ROOT)/usr/include/$(WHEEL_MACHINE)-linux-gnu/$(name)))
+# What jansson's configure would find: where the seed of its hashes comes from.
+WHEEL_JANSSON_USES = -DHAVE_STDINT_H -DHAVE_ATOMIC_BUILTINS $(if $(filter windows,$(WHEEL_SYSTEM)),-DUSE_WINDOWS_CRYPTOAPI, \
+  $(addprefix -D,USE_URANDOM $(addprefix HAVE_,OPEN CLOSE READ FCNTL_H UNISTD_H SYS_STAT_H SYS_TYPES_H SYS_TIME_H \
+  SCHED_H SCHED_YIELD GETTIMEOFDAY GETPID)))
+WHEEL_MAKE = DYNPOINT_PLATFORM=$(WHEEL_TAG) $(MAKE) wheel B=$(WHEEL_MADE) CC='$(WHEEL_ZIG) cc -target $(WHEEL_TARGET)' URDF=no LWS=no \
+  LDFLAGS=-s PY_INCLUDE=$(WHEEL_MADE)/include/python JANSSON=yes JANSSON_CFLAGS='-I$(WHEEL_MADE)/include'
+wheel-release: ## the same for a release (make deps wheels): for glibc 2.28; WHEEL_FOR=x86_64-windows, ...: docs/python.md
+	rm -rf $(WHEEL_MADE)/include $(WHEEL_MADE)/dynpoint-*.whl && mkdir -p $(WHEEL_MADE)/include
+ifeq ($(WHEEL_SYSTEM),windows)
+	cp -R $(WHEEL_PYTHON) $(WHEEL_MADE)/include/python
+else
+	cp -R $(PY_INCLUDE) $(WHEEL_MADE)/include/python
+	cp "$$($(PYTHON) -c 'import sysconfig; print(sysconfig.get_config_h_filename())')" $(WHEEL_MADE)/include/python/pyconfig.h
+endif
+ifeq ($(WHEEL_SYSTEM),glibc)
+	cp -R $(WHEEL_HEADERS) $(WHEEL_MADE)/include
+	$(WHEEL_MAKE) JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
+	  CONVEX=yes CONVEX_CFLAGS='-I$(WHEEL_MADE)/include' CONVEX_LIBS='$(WHEEL_LIBS)/libccd.so'
 	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$(if $(findstring /,$(PYTHON)),$(dir $(PY_PYTHON)):)$$PATH" \
-	  auditwheel repair --plat auto --exclude libccd.so.2 --wheel-dir $(MANYLINUX) $(MANYLINUX)/python/*.whl
+	  auditwheel repair --plat auto --exclude libccd.so.2 --wheel-dir $(WHEEL_MADE) $(WHEEL_MADE)/python/*.whl
+else
+	cp $(WHEEL_JANSSON)/src/jansson.h $(WHEEL_MADE)/include
+	sed 's/@json_inline@/inline/; s/@json_[a-z_]*@/1/' $(WHEEL_JANSSON)/src/jansson_config.h.in >$(WHEEL_MADE)/include/jansson_config.h
+	rm -rf $(WHEEL_MADE)/jansson && mkdir $(WHEEL_MADE)/jansson && : >$(WHEEL_MADE)/jansson/jansson_private_config.h
+	for source in $(wildcard $(WHEEL_JANSSON)/src/*.c); do $(WHEEL_ZIG) cc -target $(WHEEL_TARGET) -O2 -fPIC -fvisibility=hidden \
+	  $(WHEEL_JANSSON_USES) -I$(WHEEL_MADE)/jansson -I$(WHEEL_MADE)/include -c $$source \
+	  -o $(WHEEL_MADE)/jansson/$$(basename $$source .c).o || exit 1; done
+	$(WHEEL_ZIG) ar rcs $(WHEEL_MADE)/libjansson.a $(WHEEL_MADE)/jansson/*.o
+	$(WHEEL_MAKE) CONVEX=no JANSSON_LIBS='$(WHEEL_MADE)/libjansson.a' DLLTOOL='$(WHEEL_ZIG) dlltool' \
+	  PY_JANSSON_LICENSE='$(abspath $(WHEEL_JANSSON))/LICENSE'
+	cp $(WHEEL_MADE)/python/*.whl $(WHEEL_MADE)
+endif
 
 sdist: $(if $(filter yes made,$(VIEW_PAGE)),build/view/page.html) ## its sources, build/python/dynpoint-*.tar.gz: with what it is built of
 	@rm -f $(PY)/dynpoint-*.tar.gz
@@ -89,9 +145,13 @@ $(PY)/built_with.h: force
 	     echo "#define DPT_HAS_$$(echo $$part | tr a-z A-Z)"; done; } >$@.now
 	@cmp -s $@.now $@ && rm $@.now || mv $@.now $@
 
-$(PY)/parts/_dynpoint.abi3.so: $(PY_OBJECTS)
+$(PY)/parts/$(PY_EXTENSION): $(PY_OBJECTS) $(PY_PYTHON_LIB)
 	@mkdir -p $(@D)
-	$(PY_LINK) -shared -Wl,--version-script=src/bindings/python/python.map $^ -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
+	$(PY_LINK) $(PY_LINK_EXTENSION) $^ -lm $(THREADS) $(DL) $(JANSSON_LIBS) $(PLATFORM_LIBS) -o $@
+$(PY)/libpython3.a: $(PY_SOURCES:%.c=$(B)/%.o)
+	@mkdir -p $(@D)
+	{ echo 'LIBRARY python3.dll'; echo EXPORTS; $(NM) -u $^ | sed -n 's/^ *U __imp_\(_*Py[A-Za-z_0-9]*\)$$/\1/p' | sort -u; } >$(PY)/python3.def
+	$(DLLTOOL) -m i386:x86-64 -d $(PY)/python3.def -l $@
 # The extension's own sources under sanitizers, for tests/python/sanitize.sh; the library's are there in the tests in C.
 PY_SANITIZED := $(PY_SOURCES:%.c=$(PY)/sanitized/%.o)
 $(PY_SANITIZED): CONFIG_CFLAGS += -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
@@ -99,10 +159,10 @@ $(PY)/sanitized/%.o: %.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -Itests/abi -Idrivers -Itools -isystem $(PY_INCLUDE) -c $< -o $@
 $(PY)/sanitized/_dynpoint.abi3.so: $(PY_SANITIZED) $(filter-out $(PY_SOURCES:%.c=$(B)/%.o),$(PY_OBJECTS))
-	$(PY_LINK) -fsanitize=address,undefined -shared -Wl,--version-script=src/bindings/python/python.map $^ -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
-$(PY)/parts/dynpoint: $(PY_PROGRAM)
+	$(PY_LINK) -fsanitize=address,undefined $(PY_LINK_EXTENSION) $^ -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
+$(PY)/parts/dynpoint$(EXE): $(PY_PROGRAM)
 	@mkdir -p $(@D)
-	$(PY_LINK) $(sort $^) -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
+	$(PY_LINK) $(PY_LINK_PROGRAM) $(sort $^) -lm $(THREADS) $(DL) $(JANSSON_LIBS) $(PLATFORM_LIBS) $(PLATFORM_PROGRAM_LIBS) -o $@
 
 $(PY)/parts/libdynpoint_urdf.so: $(URDF_PARTS) $(COMPILE) $(TEXT) $(CORE)
 	@mkdir -p $(@D)

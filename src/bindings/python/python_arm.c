@@ -4,6 +4,8 @@
 
 #include "dynpoint/arm.h"
 
+#include "platform/file.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,11 +23,9 @@ static PyObject *arm_new(PyTypeObject *type, PyObject *args, PyObject *keywords)
     Py_buffer view;
     if (!PyArg_ParseTupleAndKeywords(args, keywords, "y*:Arm", names, &view))
         return NULL;
-    void *bytes = NULL;
     Py_ssize_t size = view.len;
-    if (posix_memalign(&bytes, 64, size > 0 ? (size_t)size : 1) != 0)
-        bytes = NULL;
-    else
+    void *bytes = file_memory(size > 0 ? (size_t)size : 1);
+    if (bytes)
         memcpy(bytes, view.buf, (size_t)size);
     PyBuffer_Release(&view);
     if (!bytes)

@@ -6,8 +6,8 @@
 
 #include "dynpoint/tool.h"
 
-#include <pthread.h>
-#include <signal.h>
+#include "platform/thread.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,13 +182,9 @@ static void *work(void *user)
 static void run(batch_step *batch, uint32_t threads)
 {
     pthread_t thread[THREADS_MAX];
-    sigset_t all, before;
     uint32_t started = 0;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (started + 1 < threads && pthread_create(&thread[started], NULL, work, batch) == 0)
+    while (started + 1 < threads && thread_start(&thread[started], work, batch) == 0)
         started++;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
     work(batch);
     while (started > 0)
         pthread_join(thread[--started], NULL);

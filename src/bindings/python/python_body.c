@@ -7,6 +7,8 @@
 
 #include "dynpoint/insertion.h"
 
+#include "platform/file.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -91,7 +93,7 @@ static PyObject *body_new(PyTypeObject *type, PyObject *args, PyObject *keywords
             return dpy_fail(DPT_E_ARGUMENT, "DeformableBody", NULL);
         if (take_compliances(compliances, mesh, NULL, &more) != 0)
             return NULL;
-        if (posix_memalign(&memory, 64, bytes + more) != 0)
+        if (!(memory = file_memory(bytes + more)))
             return PyErr_NoMemory();
         if (more) {
             float *numbers = (float *)(void *)((char *)memory + bytes);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "bindings/python/python_error.h"
 
-#include <pthread.h>
+#include "platform/interpreter.h"
 
 PyObject *dpy_error;
 
@@ -53,7 +53,7 @@ int dpy_owner_refuse(const dpy_owner *owner, const char *what)
 int dpy_error_init(PyObject *module)
 {
     static int is_counting;
-    if (!is_counting && pthread_atfork(NULL, NULL, count_process) != 0) {
+    if (!is_counting && forks_watch(count_process) != 0) {
         PyErr_SetString(PyExc_ImportError, "dynpoint: forks cannot be noticed");
         return -1;
     }

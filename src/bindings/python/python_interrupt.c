@@ -3,17 +3,17 @@
 
 #include <signal.h>
 
+#include "platform/interpreter.h"
+
 enum { LOOPS_MAX = 16 };
 
 /* Loops that run now. The handler reads it; a place is taken and given back with Python's lock. */
 static dpy_interrupt *volatile running[LOOPS_MAX];
 static volatile sig_atomic_t came;
 static int count;
-static struct sigaction before;
 
-static void end_loops(int number)
+static void end_loops(void)
 {
-    (void)number;
     came = 1;
     for (int i = 0; i < LOOPS_MAX; i++) {
         dpy_interrupt *interrupt = running[i];
@@ -36,13 +36,7 @@ int dpy_interrupt_begin(dpy_interrupt *interrupt)
     if (count++ > 0)
         return 0;
     came = 0;
-    struct sigaction action;
-    sigemptyset(&action.sa_mask);
-    action.sa_flags = 0;
-    action.sa_handler = end_loops;
-    /* A process that does not listen to it goes on so. */
-    if (sigaction(SIGINT, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-        sigaction(SIGINT, &action, NULL);
+    interrupts_take(end_loops);
     return 0;
 }
 
@@ -51,8 +45,7 @@ int dpy_interrupt_end(dpy_interrupt *interrupt)
     running[interrupt->place] = NULL;
     if (--count > 0)
         return 0;
-    if (before.sa_handler != SIG_IGN)
-        sigaction(SIGINT, &before, NULL);
+    interrupts_give_back();
     if (!came)
         return 0;
     came = 0;

@@ -4,6 +4,8 @@
 #include "dynpoint/compile.h"
 #include "dynpoint/query.h"
 
+#include "platform/file.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,8 +63,8 @@ static PyObject *mesh_new(PyTypeObject *type, PyObject *args, PyObject *keywords
     Py_buffer view;
     if (!PyArg_ParseTupleAndKeywords(args, keywords, "y*:Mesh", names, &view))
         return NULL;
-    void *bytes = NULL;
-    if (posix_memalign(&bytes, 64, view.len > 0 ? (size_t)view.len : 1) != 0)
+    void *bytes = file_memory(view.len > 0 ? (size_t)view.len : 1);
+    if (!bytes)
         PyErr_NoMemory();
     else
         memcpy(bytes, view.buf, (size_t)view.len);

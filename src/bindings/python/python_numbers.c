@@ -260,11 +260,9 @@ static int is_format(const Py_buffer *view, const char *format)
     const char *has = view->format ? view->format : "B";
     if (*has == '@' || *has == '=' || *has == '<')
         has++;
-    /* Where long has 8 bytes it is the same as long long. */
-    if (strcmp(format, "Q") == 0 && strcmp(has, "L") == 0)
-        return view->itemsize == 8;
-    if (strcmp(format, "I") == 0 && strcmp(has, "L") == 0)
-        return view->itemsize == 4;
+    /* Where long has 8 bytes it is the same as long long; on Windows it has 4, as int. */
+    if (strchr("iIQ", *format) && strcmp(has, *format == 'i' ? "l" : "L") == 0)
+        return view->itemsize == (*format == 'Q' ? 8 : 4);
     return strcmp(has, format) == 0;
 }
 
@@ -347,7 +345,7 @@ PyObject *dpy_make_pose(const dpt_pose *pose)
 int dpy_get_array(PyObject *from, Py_buffer *view, const char *format, Py_ssize_t item, Py_ssize_t columns,
                   Py_ssize_t *rows, const char *what)
 {
-    const char *name = !*format ? "structs" : *format == 'd' ? "float64" : *format == 'f' ? "float32" : "uint32";
+    const char *name = !*format ? "structs" : *format == 'd' ? "float64" : *format == 'f' ? "float32" : *format == 'i' ? "int32" : "uint32";
     if (!PyObject_CheckBuffer(from)) {
         PyErr_Format(PyExc_TypeError, "%s: wanted an array of %s, not %R", what, name, (PyObject *)Py_TYPE(from));
         return -1;

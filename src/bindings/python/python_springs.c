@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+
+#include "platform/file.h"
 #include "bindings/python/python_springs.h"
 
 #include "bindings/python/python_mesh.h"
@@ -47,7 +49,7 @@ static PyObject *springs_new(PyTypeObject *type, PyObject *args, PyObject *keywo
     dpt_result result = dpt_springs_create(NULL, 0, &def, &springs);
     if (bytes == 0)
         return dpy_fail(result, "Springs", NULL);
-    if (posix_memalign(&block, 64, bytes) != 0)
+    if (!(block = file_memory(bytes)))
         return PyErr_NoMemory();
     result = dpt_springs_create(block, bytes, &def, &springs);
     dpy_springs *self = result == DPT_OK ? (dpy_springs *)dpy_allocate(type) : NULL;

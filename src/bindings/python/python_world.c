@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+
+#include "platform/file.h"
 #include "bindings/python/python_world.h"
 
 #include <stdlib.h>
@@ -66,7 +68,7 @@ static PyObject *world_new(PyTypeObject *type, PyObject *args, PyObject *keyword
         return NULL;
     size_t bytes = dpt_world_bytes(&def);
     void *block = NULL;
-    if (bytes > 0 && posix_memalign(&block, 64, bytes) != 0)
+    if (bytes > 0 && !(block = file_memory(bytes)))
         return PyErr_NoMemory();
     dpt_world *world;
     dpt_result result = bytes > 0 ? dpt_world_create(block, bytes, &def, &world) : DPT_E_ARGUMENT;

@@ -30,9 +30,11 @@ class Build(build_ext):
             parts = ROOT / "build/python/parts"
         target = Path(self.get_ext_fullpath(ext.name))
         target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(Path(parts) / "_dynpoint.abi3.so", target)
+        for made in Path(parts).glob("_dynpoint.*"):  # for Windows it is a .pyd, also where this is another system
+            shutil.copy2(made, target.with_name(made.name) if made.suffix == ".pyd" else target)
         for folder in {target.parent, HERE / "dynpoint"} if self.inplace or self.editable_mode else {target.parent}:
-            shutil.copy2(Path(parts) / "dynpoint", folder / "program")
+            for program in Path(parts).glob("dynpoint*"):
+                shutil.copy2(program, folder / f"program{program.suffix}")
             for part in (*Path(parts).glob("libdynpoint_*.so"), *Path(parts).glob("page.*")):
                 shutil.copy2(part, folder / part.name)
 

@@ -10,6 +10,7 @@ from typing import Any, Iterator, Tuple, Type, TypeVar
 import numpy as np
 
 from . import _dynpoint
+from ._files import PROGRAM
 from ._mesh import Mesh, PathLike
 from ._structs import ARM_INFO, ARM_JOINT, ARM_LINK, SEGMENT, Floats, Numbers, Records, room
 
@@ -33,7 +34,7 @@ class Arm(_dynpoint.Arm):
             return cls(content)
         with TemporaryDirectory() as room:
             made = Path(room, "arm.dpa")
-            ran = subprocess.run([Path(__file__).with_name("program"), "compile", path, "-o", made, *options], text=True,
+            ran = subprocess.run([PROGRAM, "compile", path, "-o", made, *options], text=True,
                                  capture_output=True)
             if ran.returncode:
                 raise _dynpoint.Error(ran.stderr.strip().removeprefix("dynpoint compile: "))

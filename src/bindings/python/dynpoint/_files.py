@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files that are whole when they have their name."""
+"""Files that are whole when they have their name, and the program."""
 from __future__ import annotations
 
 import os
@@ -12,6 +12,8 @@ from typing import Iterator
 
 from ._mesh import PathLike
 
+# The program `dynpoint`, as the package has it.
+PROGRAM = Path(__file__).with_name("program.exe" if os.name == "nt" else "program")
 # What is behind a name until the file is whole.
 PART = re.compile(r"\.[0-9]+-[0-9a-f]{8}\.part$")
 

@@ -5,7 +5,6 @@ libwebsockets."""
 from __future__ import annotations
 
 import argparse
-import ctypes
 import html
 import os
 import re
@@ -21,6 +20,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Iterable, List, Optional, Type
 
 from . import _dynpoint
+from ._files import PROGRAM
 from ._serve import ViewServer, messages_of
 
 if TYPE_CHECKING:
@@ -150,8 +150,10 @@ def view_scene(scene: Scene, device: Optional[str], title: str, control: bool, p
 def has_libwebsockets() -> bool:
     """Whether the program itself can serve."""
     try:
+        import ctypes  # which not every Python has
+
         ctypes.CDLL(str(_FOLDER / "libdynpoint_view.so"))
-    except OSError:
+    except (ImportError, OSError):
         return False
     return True
 
@@ -170,7 +172,7 @@ def _of_program(words: List[str]) -> List[bytes]:
     """The messages of a page that the program writes."""
     with tempfile.TemporaryDirectory() as room:
         page = Path(room, "page.html")
-        made = subprocess.run([_FOLDER / "program", "view", *words, "-o", page])
+        made = subprocess.run([PROGRAM, "view", *words, "-o", page])
         if made.returncode > 1 or not page.exists():
             sys.exit(made.returncode)
         return list(messages_of(page.read_bytes()))
