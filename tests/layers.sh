@@ -47,7 +47,7 @@ function set_rules(folders, count, i)
     inner["compile"] = "text";             public["compile"] = "core"
     inner["urdf"] = "";                    public["urdf"] = "core compile"
     inner["convex"] = "";                  public["convex"] = "core"
-    inner["bindings"] = "tools scene";     public["bindings"] = "core compile urdf convex drivers host"
+    inner["bindings"] = "tools scene drivers"; public["bindings"] = "core compile urdf convex host"
     inner["drivers"] = "text";             public["drivers"] = "core"
     inner["scene"] = "text drivers";       public["scene"] = "core compile convex"
     inner["host"] = "text scene drivers";  public["host"] = "core"
@@ -137,7 +137,7 @@ function resolve(file, name, quoted, place, folder)
     if (!(file ~ /^src\// && name !~ /\//)) {
         if ((place = "include/" name) in exists) return place
         if (file !~ /^include\// && (place = "src/" name) in exists) return place
-        if (file ~ /^(drivers|tools)\// && (place = "drivers/" name) in exists) return place
+        if (file ~ /^(drivers|tools|src\/bindings)\// && (place = "drivers/" name) in exists) return place
         if (file ~ /^(tools|src\/bindings)\// && (place = "tools/" name) in exists) return place
     }
     if (!quoted || (file ~ /^(drivers|tools|src\/scene)\// && name == generated)) return ""

@@ -72,7 +72,8 @@ class Elsewhere(unittest.TestCase):
     def test_a_list_is_compiled_by_two_processes(self):
         for i in range(6):
             (self.room / f"{i}.obj").write_text(OBJ if i != 3 else "v 0 0 0\nf 1 2 3\n", encoding="utf-8")
-        (self.room / "\u809d.txt").write_text("".join(f"{self.room / f'{i}.obj'}\t{self.room / f'{i}.dpa'}\n" for i in range(6)), encoding="utf-8")
+        lines = [f"{self.room / f'{i}.obj'}\t{self.room / f'{i}.dpa'}\n" for i in range(6)]
+        (self.room / "\u809d.txt").write_text("".join(lines), encoding="utf-8")
         done = dp.bulk.run("compile", self.room / "\u809d.txt", self.room / "table.tsv", workers=2, unit="m")
         self.assertEqual([row.verdict for row in done.rows], ["DPT_OK"] * 3 + ["DPT_E_INDEX"] + ["DPT_OK"] * 2)
         self.assertEqual((self.room / "5.dpa").read_bytes(), bytes(dp.Mesh.load(self.room / "5.obj", unit="m")))

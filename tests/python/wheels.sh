@@ -98,6 +98,7 @@ else
     other x86_64-musl
     if [ -f "$systems/musl.complete" ]; then
         answers "on musl" "$systems/musl/site" env PYTHONPATH="$systems/musl/site" "$systems/musl/python/bin/python3.11" -B
+        count "on musl" env PYTHONPATH="$systems/musl/site" "$systems/musl/python/bin/python3.11" -B tests/python/elsewhere.py
     else
         skip "the wheel for musl is not run: no Python for it (make deps wheels)"
     fi
@@ -113,7 +114,7 @@ else
         timeout 300 wine wineboot -u >>"$log" 2>&1
         answers "on Windows, by wine," "$systems/windows/site" env PYTHONPATH="Z:$systems/windows/site" timeout 300 \
             wine "$systems/windows/python/python.exe" -B
-        count "on Windows" env PYTHONPATH="Z:$systems/windows/site" timeout 300 wine "$systems/windows/python/python.exe" -B \
+        count "on Windows" env PYTHONUTF8=1 PYTHONPATH="Z:$systems/windows/site" timeout 300 wine "$systems/windows/python/python.exe" -B \
             "$PWD/tests/python/elsewhere.py"
         timeout 60 wineserver -k >/dev/null 2>&1
     fi
