@@ -27,6 +27,7 @@ build|27 MB, and 340 for a chroot|projects built with CMake, also in an empty ch
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
 python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv
+lerobot|9 MB, and some 450 from PyPI|LeRobot, which opens what is exported for it; with the Python for AArch64 of wheels|python3 python3-venv
 wheels|272 MB, 37 more of another machine and of sources, 26 from Maven, and some 350 from PyPI|the wheels of a release of the package of Python, also for AArch64, musl, Windows and macOS|python3 python3-venv libjansson-dev libccd-dev qemu-user-static binutils musl-tools wine64 wine maven
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
 docs|72 MB, and 60 from PyPI|the site of the pages, with both APIs: make docs|doxygen python3 python3-dev python3-venv
@@ -35,7 +36,7 @@ languages|23 MB, and 35 more from PyPI|the same scene in C# and Java: Mono; a ru
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
 names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
-unasked='newton\|wheels\|docs' # the first two are for make check-release, the last for make docs
+unasked='newton\|lerobot\|wheels\|docs' # the first three are for make check-release, the last for make docs
 
 # missing PACKAGE...: those that are not installed. Of node there are other packages, with npm in them, which Debian's
 # npm would remove; and mvn may be of elsewhere.
@@ -68,6 +69,7 @@ fetch() {
     kinematics) sh tests/lib/venv.sh build/venv-urdf tests/oracle/requirements.txt ;;
     python) sh tests/lib/venv.sh build/venv-python tests/python/requirements.txt ;;
     newton) sh tests/lib/venv.sh build/venv-newton tests/python/requirements_newton.txt ;;
+    lerobot) sh tests/python/lerobot_fetch.sh build/lerobot tests/python/requirements_lerobot.txt ;;
     wheels)
         sh tests/python/foreign_root.sh build/foreign
         foreign=$?
@@ -96,7 +98,7 @@ if [ $# -eq 0 ]; then
             "$(field "$group" 3)" "$(field "$group" 4)" "${lack:+missing here: $lack}"
     done | grep -v '^ *$'
     echo "make deps GROUP... installs groups, as root; make deps all installs those that make check uses, all but newton," \
-        "wheels and docs; make check the light one"
+        "lerobot, wheels and docs; make check the light one"
     exit 0
 fi
 [ "$*" != all ] || set -- $(echo "$names" | tr ' ' '\n' | grep -vx "$unasked")

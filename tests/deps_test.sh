@@ -81,7 +81,7 @@ check "without what is only recommended" grep -q 'apt-get install --no-install-r
 asks make deps firmware light
 check "two groups: $(installed)" test "$(installed)" = "$(echo "$firmware$light" | tr ' ' '\n' | sort | tr '\n' ' ' | sed 's/^ //')"
 asks make deps all
-sh "$here/tests/deps.sh" | awk '/^[a-z]/ { group = $1 } group !~ /^(newton|docs|wheels)$/' | sed -n 's/^            \([a-z]\)/\1/p' |
+sh "$here/tests/deps.sh" | awk '/^[a-z]/ { group = $1 } group !~ /^(newton|lerobot|docs|wheels)$/' | sed -n 's/^            \([a-z]\)/\1/p' |
     grep -v '^missing here' | tr ' ' '\n' | sort -u >"$scratch/all"
 check "make deps all installs every package that make check uses" test "$(installed)" = "$(tr '\n' ' ' <"$scratch/all")"
 check "and tries PyPI" test "$(grep -c '^python3 -m venv' "$CALLS")" -eq 7
@@ -106,7 +106,7 @@ check "but when another is locked" test "$(grep -c '^npm ci' "$CALLS")" -eq 1
 rm "$scratch/bin/node" "$scratch/bin/npm"
 asks make deps nonesuch
 check "an unknown group is an error" test $status -eq 2
-check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python newton wheels platforms docs wasm languages or all' "$scratch/says"
+check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python newton lerobot wheels platforms docs wasm languages or all' "$scratch/says"
 check "and installs nothing" untouched
 (cd "$scratch/tree" && PATH="$scratch/bin:$scratch/rest" sh tests/vm/kernel.sh) >"$scratch/says" 2>&1
 check "a test alone fetches no kernel" test $? -eq 77 -a ! -s "$INSTALLED"

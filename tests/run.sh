@@ -144,6 +144,7 @@ else
         run "an embedder's first hour" sh tests/platforms/embedder.sh build
         run "macOS" env JOBS=1 sh tests/platforms/macos.sh build
         run "Python's wheels" env JOBS=1 sh tests/python/wheels.sh build
+        run "LeRobot" env JOBS=1 sh tests/python/lerobot.sh build
         run "Python's package, sanitized" env JOBS=1 sh tests/python/sanitize.sh build
         run "the site of the pages" sh tests/docs/site.sh build
     fi

@@ -38,6 +38,12 @@ void file_keep_mode(FILE *stream, const struct file_status *other);
 int file_cut(int file, uint64_t bytes);
 int file_cut_stream(FILE *stream, uint64_t bytes);
 
+/*
+ * One lock an open file, whose holder is one descriptor until it is closed, or its program has ended. Returns 0 if it is
+ * had, or where the file system has no locks; 1 if another one has it.
+ */
+int file_lock(int file);
+
 /* `to` becomes what `from` was, at once: whoever opens it finds the old bytes or the new ones. Returns 0, or -1. */
 int file_replace(const char *from, const char *to);
 

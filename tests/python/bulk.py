@@ -5,6 +5,7 @@ many organs."""
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,6 +13,8 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
+from concurrent.futures import CancelledError, Future
 from pathlib import Path
 
 import numpy as np
@@ -224,6 +227,57 @@ class Bulk(unittest.TestCase):
         dp.bulk.run("compile", room / "swept.list", room / "swept.tsv", workers=1, unit="m")
         self.assertEqual(sorted(path.name for path in (room / "swept").iterdir()), sorted(["0.dpa", *left[1:]]))
 
+    def test_names_of_any_bytes_are_those_of_the_program(self):
+        room = self.room / "odd"
+        room.mkdir()
+        names = [b"\xc2\x85next", "line\u2028end \u809d".encode(), b"\xff\xfe", b"form\x0cfeed", b"back\rspace"]
+        base = os.fsencode(room)
+        for name in names:
+            shutil.copy(self.room / "in/0.obj", os.path.join(base, name + b".obj"))
+        lines = [b"%s/%s.obj\t%s/%s.dpa" % (base, name, base, name) for name in names]
+        (room / "list").write_bytes(b"\r\n".join(lines) + b"\n")
+        summary = dp.bulk.run("compile", room / "list", room / "bulk.tsv", workers=2, unit="m")
+        self.assertEqual([(row.verdict, row.hash) for row in summary.rows], [("DPT_OK", self.wanted[0][3])] * len(names))
+        subprocess.run([PROGRAM, "compile", "--list", room / "list", "-o", room / "program.tsv"], check=True,
+                       capture_output=True)
+        told = [[line.split(b"\t")[:4] for line in (room / name).read_bytes().split(b"\n")[2:-1]]
+                for name in ("program.tsv", "bulk.tsv")]
+        self.assertEqual(told[0], told[1])
+        # A table that ends in the middle of a letter.
+        content = (room / "bulk.tsv").read_bytes()
+        (room / "bulk.tsv").write_bytes(content[:content.index(b"\x80\xa8") + 1])
+        again = dp.bulk.run("compile", room / "list", room / "bulk.tsv", workers=1, unit="m")
+        self.assertEqual((again.kept, again.done), (1, len(names)))
+
+    def test_one_call_at_a_time_works_on_a_list(self):
+        room = self.room / "alone"
+        room.mkdir()
+        (room / "list").write_text(f"{self.room}/in/0.obj\t{room}/0.dpa\n", encoding="utf-8")
+        with dp.bulk._alone(room / "list"):
+            with self.assertRaisesRegex(BlockingIOError, "another call works on this list"):
+                dp.bulk.run("compile", room / "list", room / "table.tsv", workers=1, unit="m")
+            ran = subprocess.run([PROGRAM, "compile", "--list", room / "list", "-o", room / "table.tsv"], check=False,
+                                 capture_output=True, text=True)
+            self.assertEqual((ran.returncode, "another dynpoint works on this list" in ran.stderr), (2, True))
+        self.assertEqual([path.name for path in room.iterdir()], ["list"])
+        self.assertEqual(dp.bulk.run("compile", room / "list", room / "table.tsv", workers=1, unit="m").done, 1)
+
+    def test_a_connection_of_dask_s_that_is_lost_is_no_verdict(self):
+        room = self.room / "wire"
+        room.mkdir()
+        wire = Wire({"once": [OSError("the line is dead")], "ever": [OSError("the line is dead")] * 9,
+                     "killed": [KilledWorker("died")] * 9, "cancelled": [CancelledError("gone")] * 9})
+        names = ["good", *wire.faults]
+        lines = [f"{self.room}/in/0.obj\t{room}/{name}.dpa" for name in names]
+        (room / "list").write_text("\n".join(lines), encoding="utf-8")
+        with unittest.mock.patch.object(dp.bulk, "import_module", lambda name: wire):
+            first = dp.bulk.run("compile", room / "list", room / "table.tsv", client=wire, unit="m")
+        self.assertEqual([row.verdict for row in first.rows], ["DPT_OK", "DPT_OK", "LOST", "LOST", "LOST"])
+        self.assertEqual(first.rows[2].note, "OSError: the line is dead")
+        self.assertEqual(wire.sent, {"good": 1, "once": 2, "ever": 2, "killed": 1, "cancelled": 2})
+        second = dp.bulk.run("compile", room / "list", room / "table.tsv", workers=1, unit="m")
+        self.assertEqual((second.kept, second.done), (2, 5))
+
     def test_manifests_that_are_wrong(self):
         for text, why in (("a\n", ":1: a line of compile has 2 cells"), ("", "lists nothing"),
                           ("a.obj\tb.dpa\n\na.obj\tb.dpa\n", ":3: 'b.dpa' is to be written twice"),
@@ -231,6 +285,47 @@ class Bulk(unittest.TestCase):
             (self.room / "wrong.list").write_text(text, encoding="utf-8")
             with self.assertRaisesRegex(ValueError, why):
                 dp.bulk.run("compile", self.room / "wrong.list", self.room / "wrong.tsv")
+
+
+class KilledWorker(Exception):
+    """By the name of Dask's."""
+
+
+class Wire:
+    """A client of Dask's whose jobs fail on the way, as often as their names say; and its as_completed."""
+
+    status = "running"
+
+    def __init__(self, faults):
+        self.faults, self.sent, self.queue = faults, {}, []
+
+    def nthreads(self):
+        return {"here": 1}
+
+    def submit(self, call, job, key, pure):
+        name = Path(job.out).stem
+        self.sent[name] = self.sent.get(name, 0) + 1
+        future = Future()
+        future.key = key
+        if self.faults.get(name):
+            error = self.faults[name].pop()
+            if isinstance(error, CancelledError):
+                future.cancel()
+                future.set_running_or_notify_cancel()
+            else:
+                future.set_exception(error)
+        else:
+            future.set_result(call(job))
+        return future
+
+    def as_completed(self):
+        return self
+
+    def add(self, future):
+        self.queue.append(future)
+
+    def __next__(self):
+        return self.queue.pop(0)
 
 
 class Deadly:

@@ -112,10 +112,15 @@ else
         WINEDEBUG=-all WINEPREFIX=$systems/wine WINEDLLOVERRIDES='mscoree=;mshtml=;winemenubuilder.exe='
         export WINEDEBUG WINEPREFIX WINEDLLOVERRIDES
         timeout 300 wine wineboot -u >>"$log" 2>&1
-        answers "on Windows, by wine," "$systems/windows/site" env PYTHONPATH="Z:$systems/windows/site" timeout 300 \
-            wine "$systems/windows/python/python.exe" -B
-        count "on Windows" env PYTHONUTF8=1 PYTHONPATH="Z:$systems/windows/site" timeout 300 wine "$systems/windows/python/python.exe" -B \
-            "$PWD/tests/python/elsewhere.py"
+        # Python's streams in wine can be pipes, and no files.
+        cat >"$room/python" <<EOF
+#!/bin/sh
+{ { timeout 300 wine "$systems/windows/python/python.exe" -B "\$@"; echo \$? >"\$0.status"; } 2>&1 >&3 | cat >&2; } 3>&1 </dev/null | cat
+exit "\$(cat "\$0.status")"
+EOF
+        chmod +x "$room/python"
+        answers "on Windows, by wine," "$systems/windows/site" env PYTHONPATH="Z:$systems/windows/site" "$room/python"
+        count "on Windows" env PYTHONUTF8=1 PYTHONPATH="Z:$systems/windows/site" "$room/python" "$PWD/tests/python/elsewhere.py"
         timeout 60 wineserver -k >/dev/null 2>&1
     fi
 fi

@@ -58,6 +58,26 @@ cp two.tsv before.tsv
 run compile --list manifest -o two.tsv -j 2
 if cmp -s two.tsv before.tsv; then ok; else bad "a third time changes nothing, not even seconds"; fi
 
+# A call that works on a list, at a pipe that nobody writes to yet, keeps a second one out; a killed one does not.
+mkfifo slow.obj
+for ending in kill write; do
+    printf 'in/1.obj\tmade/lock.dpa\nslow.obj\tmade/slow.dpa\n' >held
+    rm -f held.tsv
+    "$program" compile --list held -o held.tsv >/dev/null 2>&1 &
+    first=$!
+    tries=0
+    while ! grep -q 'made/lock.dpa' held.tsv 2>/dev/null && [ $tries -lt 600 ]; do
+        sleep 0.05
+        tries=$((tries + 1))
+    done
+    # One that is let in would wait at the pipe, too.
+    timeout 60 "$program" compile --list held -o other.tsv >stdout 2>stderr
+    if [ $? -eq 2 ] && grep -q 'held: another dynpoint works on this list' stderr; then ok; else bad "a list that is worked on ($ending): $(cat stdout stderr)"; fi
+    if [ $ending = kill ]; then kill -9 $first; else printf 'v 0 0 0\n' >slow.obj; fi
+    wait $first 2>/dev/null
+done
+if [ "$(column 3 held.tsv | head -n 1)" = DPT_OK ] && [ "$(column 1 held.tsv | wc -l)" -eq 2 ] && [ ! -e other.tsv ]; then ok; else bad "after the lock: $(cat held.tsv)"; fi
+
 refuses 'a list: other settings' 'two.tsv: it is no table of these settings' compile --list manifest -o two.tsv --unit mm
 printf 'in/1.obj\tout/1.dpa\nin/2.obj\tout/1.dpa\n' >twice
 refuses 'a list: one file twice' "'out/1.dpa' is to be written twice" compile --list twice -o x.tsv

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/command_options.h"
 #include "cli/sha256.h"
@@ -50,7 +51,7 @@ static void put_note(char *note, const char *text)
             *c = ' ';
 }
 
-static void tell(char *note, const dpt_diag *diag)
+static void put_diag(char *note, const dpt_diag *diag)
 {
     char text[NOTE_ROOM];
     if (diag->line)
@@ -65,7 +66,7 @@ static void tell(char *note, const dpt_diag *diag)
 static void keep_first(void *user, const dpt_diag *diag)
 {
     if (!*(char *)user)
-        tell(user, diag);
+        put_diag(user, diag);
 }
 
 /* ---- One job ---- */
@@ -140,7 +141,7 @@ static void compile_job(const struct list *list, struct job *job)
         refuse(job, DPT_E_UNSUPPORTED, foreign->name);
     } else if (dpt_compile_bytes(bytes, size, &def, &compiled, &diag) != DPT_OK) {
         job->verdict = dpt_result_name(diag.code);
-        tell(job->note, &diag);
+        put_diag(job->note, &diag);
     } else {
         job->verdict = dpt_result_name(DPT_OK);
         sha256_text(compiled.bytes, compiled.size, job->hash);
@@ -360,7 +361,7 @@ static int run(struct list *list, const char *results)
     return 0;
 }
 
-int compile_list(const char *manifest, const char *results, const dpt_compile_def *def)
+static int compile_alone(const char *manifest, const char *results, const dpt_compile_def *def)
 {
     struct list list = { .def = def, .lock = PTHREAD_MUTEX_INITIALIZER };
     char *text = NULL;
@@ -390,5 +391,16 @@ int compile_list(const char *manifest, const char *results, const dpt_compile_de
     free(list.text);
     free(list.jobs);
     free(list.sorted);
+    return status;
+}
+
+int compile_list(const char *manifest, const char *results, const dpt_compile_def *def)
+{
+    const int held = file_open_read(manifest);
+    const int status = held >= 0 && file_lock(held)
+                           ? complain("compile", "%s: another dynpoint works on this list", manifest)
+                           : compile_alone(manifest, results, def);
+    if (held >= 0)
+        close(held);
     return status;
 }

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/utsname.h>
 #include <time.h>
@@ -84,6 +85,11 @@ int thread_start(pthread_t *thread, void *(*run)(void *user), void *user)
 int file_open_read(const char *path)
 {
     return open(path, O_RDONLY | O_CLOEXEC);
+}
+
+int file_lock(int file)
+{
+    return flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
 }
 
 int file_open_write(const char *path)

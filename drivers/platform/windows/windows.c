@@ -204,6 +204,14 @@ int file_open_read(const char *path)
     return open_as(path, _O_RDONLY);
 }
 
+/* Of a byte far behind what is read: such a lock keeps readers out. */
+int file_lock(int file)
+{
+    OVERLAPPED at = { .Offset = 0x7FFFFFFE };
+    return !LockFileEx((HANDLE)_get_osfhandle(file), LOCKFILE_EXCLUSIVE_LOCK | LOCKFILE_FAIL_IMMEDIATELY, 0, 1, 0, &at) &&
+           (GetLastError() == ERROR_LOCK_VIOLATION || GetLastError() == ERROR_IO_PENDING);
+}
+
 int file_open_write(const char *path)
 {
     return open_as(path, _O_WRONLY | _O_CREAT | _O_TRUNC);

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files that are whole when they have their name, and the program."""
+"""Files that are whole when they have their name, the program, and locks."""
 from __future__ import annotations
 
 import os
@@ -7,8 +7,9 @@ import re
 import secrets
 import shutil
 from contextlib import contextmanager
+from importlib import import_module
 from pathlib import Path
-from typing import Iterator
+from typing import IO, Any, Iterator
 
 from ._mesh import PathLike
 
@@ -39,3 +40,17 @@ def whole(path: PathLike) -> Iterator[Path]:
         else:
             part.unlink(missing_ok=True)
         raise
+
+
+def lock_file(file: IO[Any]) -> None:
+    """Until it is closed, or the program has ended, nobody else has this lock: file_lock of drivers/platform/file.h. Else
+    BlockingIOError. A file system without locks lets everybody in, and so does Windows here."""
+    if os.name == "nt":
+        return
+    locks: Any = import_module("fcntl")
+    try:
+        locks.flock(file, locks.LOCK_EX | locks.LOCK_NB)
+    except BlockingIOError:
+        raise
+    except OSError:
+        pass

@@ -126,7 +126,8 @@ class Mesh(_dynpoint.Mesh):
         if unit is None:
             raise TypeError(f"{path}: wanted unit=, as 'mm': no file of this kind says what it is in")
         if path.suffix.lower() in _OWN:
-            return cls._compile(str(path), path.read_bytes(), None, {"scale": scale_of(unit), **settings})
+            shown = str(path).encode("utf-8", "replace").decode()  # names may have any bytes
+            return cls._compile(shown, path.read_bytes(), None, {"scale": scale_of(unit), **settings})
         return cls.from_object(_read_foreign(path), unit=unit, **settings)
 
     @classmethod

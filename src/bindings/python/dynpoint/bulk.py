@@ -18,16 +18,19 @@ the settings; of compile the first four columns are the same, and so are the fil
 from __future__ import annotations
 
 import argparse
+import errno
 import hashlib
 import io
 import json
 import os
+import re
 import sys
 import threading
 import time
 import warnings
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing import get_context, parent_process
 from pathlib import Path
@@ -36,7 +39,7 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Seq
 import numpy as np
 
 from . import _dynpoint
-from ._files import PART, whole
+from ._files import PART, lock_file, whole
 from ._device import Device, Scene
 from ._mesh import Mesh, PathLike
 from ._structs import DEVICE_STATE
@@ -49,6 +52,8 @@ HEADER = "in\tout\tverdict\tsha256\tseconds\tnote\n"
 CELLS = {"compile": 2, "query": 3, "sweep": 4}
 # Deaths of workers that one job may be near to, before it is run with nobody beside it; and then of its own.
 DEATHS = 2
+# More processes than this a pool of Windows cannot wait for.
+POOL_MAX = 61 if os.name == "nt" else 1 << 16
 
 
 class Job(NamedTuple):
@@ -196,7 +201,7 @@ class _Pool:
     more, each alone in the end."""
 
     def __init__(self, workers: int) -> None:
-        self.workers, self.lost = workers, 0
+        self.workers, self.lost = min(workers, POOL_MAX), 0
 
     def run(self, jobs: Sequence[Job]) -> Iterator[Row]:
         waiting: List[Job] = list(reversed(jobs))
@@ -237,6 +242,15 @@ class _Pool:
                     return
 
 
+def _error_of(future: Any) -> Optional[BaseException]:
+    """Why a job of Dask's has no row. The exception of one that was cancelled is raised, not returned."""
+    try:
+        error: Optional[BaseException] = future.exception()
+        return error
+    except Exception as cancelled:
+        return cancelled
+
+
 class _Cluster:
     """A client of Dask's `distributed`, whose workers see the same files. It runs again what a dead worker had."""
 
@@ -247,6 +261,7 @@ class _Cluster:
         distributed = import_module("distributed")
         waiting = list(reversed(jobs))
         running: Dict[str, Job] = {}
+        tries: Dict[str, int] = {}
         room = max(4, 4 * sum(self.client.nthreads().values()))
         queue = distributed.as_completed()
         while waiting or running:
@@ -257,22 +272,44 @@ class _Cluster:
                 queue.add(future)
             future = next(queue)
             job = running.pop(future.key)
-            error = future.exception()
+            error = _error_of(future)
             if error is None:
                 yield future.result()
-            elif type(error).__name__ == "KilledWorker":
-                self.lost += 1
-                yield Row(job.source, job.out, LOST, "", 0.0, "the worker died each time")
+                continue
+            # What a job does wrong is in its row: this is of the machines, as a connection that was lost.
+            self.lost += 1
+            killed = type(error).__name__ == "KilledWorker"  # Dask has tried again already
+            tries[job.out] = tries.get(job.out, 0) + 1
+            if not killed and tries[job.out] < DEATHS and self.client.status == "running":
+                waiting.append(job)
             else:
-                yield Row(job.source, job.out, type(error).__name__, "", 0.0, _line(error))
+                note = "the worker died each time" if killed else _line(f"{type(error).__name__}: {error}")
+                yield Row(job.source, job.out, LOST, "", 0.0, note)
 
 
 # ---- The manifest and the table
 
+def _read_lines(path: PathLike) -> List[str]:
+    """As the program reads them: names may have any bytes but tabs and ends of lines, which alone end a line."""
+    return Path(path).read_bytes().decode("utf-8", "surrogateescape").split("\n")
+
+
+@contextmanager
+def _alone(manifest: PathLike) -> Iterator[None]:
+    """One call at a time works on a list; another one, and `dynpoint compile --list`, are refused."""
+    with open(manifest, "rb") as held:
+        try:
+            lock_file(held)
+        except BlockingIOError:
+            raise BlockingIOError(errno.EAGAIN, "another call works on this list", os.fspath(manifest)) from None
+        yield
+
+
 def read_manifest(kind: str, manifest: PathLike, settings: Mapping[str, Any]) -> List[Job]:
     """Its jobs; ValueError with the line that is wrong."""
     jobs, outs, ending = [], set(), ".dpa" if kind == "compile" else ".npy"
-    for number, line in enumerate(Path(manifest).read_text(encoding="utf-8").splitlines(), 1):
+    for number, line in enumerate(_read_lines(manifest), 1):
+        line = line.removesuffix("\r")
         if not line or line.startswith("#"):
             continue
         cells = tuple(line.split("\t"))
@@ -307,15 +344,15 @@ def _is_there(row: Row) -> bool:
 def read_table(path: PathLike) -> List[Row]:
     """The rows of a table of results; a last one that was cut is left out."""
     rows = []
-    for line in Path(path).read_text(encoding="utf-8").split("\n")[:-1]:
+    for line in _read_lines(path)[1:-1]:
         cells = line.split("\t")
-        if len(cells) == 6 and not line.startswith("#") and line + "\n" != HEADER:
+        if len(cells) == 6 and re.fullmatch(r"[0-9]+\.[0-9]{6}", cells[4]):
             rows.append(Row(cells[0], cells[1], cells[2], cells[3], float(cells[4]), cells[5]))
     return rows
 
 
 def _write_table(path: PathLike, first: str, jobs: Sequence[Job], rows: Mapping[str, Row]) -> None:
-    _put(os.fspath(path), (first + HEADER + "".join(rows[job.out].text() for job in jobs if job.out in rows)).encode())
+    _put(os.fspath(path), (first + HEADER + "".join(rows[job.out].text() for job in jobs if job.out in rows)).encode("utf-8", "surrogateescape"))
 
 
 def run(kind: str, manifest: PathLike, results: PathLike, *, workers: Optional[int] = None, client: Any = None,
@@ -328,11 +365,16 @@ def run(kind: str, manifest: PathLike, results: PathLike, *, workers: Optional[i
 
     Rows are added as jobs end, in any order, and sorted as the manifest is in the end. LOST is the verdict of a job whose
     worker died each time."""
-    jobs = read_manifest(kind, manifest, settings)
+    with _alone(manifest):
+        return _run(kind, read_manifest(kind, manifest, settings), results, workers, client, settings)
+
+
+def _run(kind: str, jobs: List[Job], results: PathLike, workers: Optional[int], client: Any,
+         settings: Mapping[str, Any]) -> Summary:
     first, by_out = _first_line(kind, settings), {job.out: job for job in jobs}
     rows: Dict[str, Row] = {}
     if Path(results).exists() and Path(results).stat().st_size:
-        if not Path(results).read_text(encoding="utf-8").startswith(first):
+        if _read_lines(results)[0] + "\n" != first:
             raise ValueError(f"{results}: it is no table of these settings and this version: name another one")
         for row in read_table(results):
             job = by_out.get(row.out)
@@ -341,7 +383,7 @@ def run(kind: str, manifest: PathLike, results: PathLike, *, workers: Optional[i
     kept = len(rows)
     _write_table(results, first, jobs, rows)
     crew: Any = _Cluster(client) if client is not None else _Pool(workers or os.cpu_count() or 1)
-    with open(results, "a", encoding="utf-8") as table:
+    with open(results, "a", encoding="utf-8", errors="surrogateescape", newline="\n") as table:
         for row in crew.run([job for job in jobs if job.out not in rows]):
             if row.out not in rows:
                 rows[row.out] = row
