@@ -173,7 +173,7 @@ static inline void dpt_deformable_def_init(dpt_deformable_def *def)
 
 /*
  * The bytes that a body of this def needs, in this version of the library: about 56 a triangle; with a compliance 1.1 MB
- * more, 14 a triangle, and 290 a vertex up to 256 times max_points. 0 for a def that is not valid. It takes time in
+ * more, 14 a triangle, and 370 a vertex up to 256 times max_points. 0 for a def that is not valid. It takes time in
  * proportion to the mesh's triangles.
  */
 DPT_API size_t dpt_deformable_bytes(const dpt_deformable_def *def);
@@ -288,6 +288,21 @@ DPT_API dpt_result dpt_body_get_mean_loads(const dpt_world *world, dpt_body body
  * DPT_E_FULL: more vertices than max_points have room for were loaded of late. DPT_E_UNSUPPORTED: as above.
  */
 DPT_API dpt_result dpt_body_set_answered_loads(dpt_world *world, dpt_body body, const dpt_load *loads, uint32_t count);
+
+/*
+ * Physics that looks a step ahead, of a body with a compliance: where vertices will be at the end of the next step of
+ * physics, if its loads stay those of the answer. After dpt_body_set_vertices has told where they are, in the same tick.
+ * The surface then goes there within the period, and what the tool changes of the loads moves it on the way. What is
+ * light goes far in a step by its speed alone: without this a tool on a sheet of springs hums. A step that physics makes
+ * and takes back tells it, as dpt_springs_foresee does.
+ *
+ *   first, count, positions   as for dpt_body_set_vertices; vertices that are left out stay where the answer has them
+ *
+ * An answer whose vertices are set without this foresees nothing. One that sets none keeps what was foreseen before.
+ * Errors: as for dpt_body_set_vertices. DPT_E_UNSUPPORTED: the body has no compliance.
+ */
+DPT_API dpt_result dpt_body_set_foreseen_vertices(dpt_world *world, dpt_body body, uint32_t first, uint32_t count,
+                                                  const float *positions);
 
 /*
  * The loads of dpt_body_get_loads on the nodes in which the vertices are embedded: four for each load on a vertex, as it

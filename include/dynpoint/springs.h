@@ -178,6 +178,19 @@ DPT_API dpt_result dpt_springs_set_nodes(dpt_springs *springs, uint32_t first, u
 DPT_API dpt_result dpt_springs_get_energy(const dpt_springs *springs, double *elastic, double *kinetic);
 
 /*
+ * For springs that are stepped apart from a world: where dpt_springs_step with dt and these loads would take the nodes.
+ * They stay where they are. It is what dpt_body_set_foreseen_vertices asks for, with the loads of the step before, and
+ * takes as long as a step does.
+ *
+ *   count      dpt_springs_get_count; else DPT_E_ARGUMENT
+ *   positions  3 floats a node, m; not valid after an error
+ *
+ * Errors are those of dpt_springs_step. Nodes that these loads would wake are awake afterwards.
+ */
+DPT_API dpt_result dpt_springs_foresee(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t load_count,
+                                       uint32_t count, float *positions);
+
+/*
  * For springs that are stepped apart from a world, by steps of dt: how far a newton that acts on a vertex in such a
  * step has moved it by the end, m/N, while all other nodes stand still. It is what dpt_deformable_def.compliances asks
  * for (docs/algorithms/deform.md, "Physics that tells how far it gives way").

@@ -71,6 +71,17 @@ static void open_account(struct dpt_springs *springs)
     }
 }
 
+void dpti_implicit_return(struct dpt_springs *springs, double account, const double common[3])
+{
+    struct spring_solve *solve = &springs->solve;
+    memcpy(solve->common, common, sizeof solve->common);
+    solve->account = account;
+    if (account < 0.0)
+        return;
+    open_account(springs);
+    solve->account = max_of(account, solve->account);
+}
+
 /* Mass / h^2 with drag, and what the springs add to it. */
 static void make_diagonal(struct dpt_springs *springs, double step)
 {

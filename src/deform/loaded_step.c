@@ -131,6 +131,7 @@ void dpti_loaded_step_begin_yield(struct loaded_step *step, struct local_yield *
     step->info.substeps = substeps;
     step->info.nodes = yield->vertex_count;
     step->info.active = yield->count;
+    dpti_yield_begin(yield, dt, substeps);
 }
 
 static int is_implicit(const struct loaded_step *step)

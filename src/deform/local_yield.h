@@ -6,6 +6,9 @@
  *     surface = base + yield,   yield = stretch compliance (load - known)
  *
  * base: where physics has the vertex by now. known: the loads whose answer is in there, followed with a time of its own.
+ *
+ * Where physics foresees a step, base is on its way to where that leads with the loads of the answer, and the yield grows
+ * by (load - answer) compliance dt / period in each tick.
  */
 #ifndef DPT_LOCAL_YIELD_H
 #define DPT_LOCAL_YIELD_H
@@ -24,6 +27,8 @@ struct yielding_vertex {
     vec3 known;     /* N */
     vec3 base;      /* m */
     vec3 last[2];   /* m: the last two positions that were handed over */
+    vec3 foreseen;  /* m: where it is bound for, as it was foreseen */
+    vec3 reached;   /* m: where that step led */
     vec3 load;      /* N: of the step */
     vec3 yield;     /* m */
     vec3 before;    /* m: before the step */
@@ -37,6 +42,12 @@ struct local_yield {
     const float *compliances; /* the caller's: of each vertex; NULL: they have that one */
     double stretch;           /* so many times as far the body gives way as it says */
     double answers[3];        /* J: from which that is found */
+    double period;            /* s: of a step of physics */
+    double part;              /* of a step of physics that this step is; 1: nothing is foreseen */
+    double held;              /* the share of the yield that stays in this step, likewise */
+    uint32_t foresees;        /* the positions that were handed over last are foreseen */
+    uint32_t is_foreseen;     /* and those for which it is bound */
+    const float *target;      /* those, 3 floats a vertex */
     double seconds;           /* of the loads since the last answer */
     dpt_result result;        /* of its last step */
     uint32_t *places;         /* 1 a vertex: one more than its place in the list; 0: it has none */
@@ -46,9 +57,10 @@ struct local_yield {
     struct spring_vertices moved; /* its list and its positions, of vertices that a step has moved */
 };
 
-/* The memory that one needs, and one in it. The block is aligned to 8. */
+/* The memory that one needs, and one in it, of a body that is bound for `target`. The block is aligned to 8. */
 size_t dpti_yield_bytes(const dpt_deformable_def *def, uint32_t vertices);
-void dpti_yield_make(struct local_yield *yield, void *block, const dpt_deformable_def *def, uint32_t vertices);
+void dpti_yield_make(struct local_yield *yield, void *block, const dpt_deformable_def *def, uint32_t vertices,
+                     const float *target);
 
 /* Nothing has been loaded. */
 void dpti_yield_forget_loads(struct local_yield *yield);
@@ -59,13 +71,19 @@ struct yielding_vertex *dpti_yield_of(struct local_yield *yield, uint32_t vertex
 /* An answer is handed over: its positions hold what these loads do. 0: there is no room for all of them. */
 int dpti_yield_set_answered(struct local_yield *yield, const float *positions, const dpt_load *loads, uint32_t count);
 
-/* Before a step of the world: if there is a new answer, `target` are its positions, 3 floats a vertex. */
-void dpti_yield_arrive(struct local_yield *yield, const float *target);
+/* Before foreseen positions replace those of the answer. */
+void dpti_yield_note_reached(struct local_yield *yield);
+
+/* Before a step of the world: if there is a new answer, it begins. */
+void dpti_yield_arrive(struct local_yield *yield);
 
 /* Bases go a share of the way to where they are bound for; 1: they arrive. Where the surface is then is put into `next`. */
-void dpti_yield_move_on(struct local_yield *yield, const float *target, double share, float *next);
+void dpti_yield_move_on(struct local_yield *yield, double share, float *next);
 
-/* m/N: how far a load moves a vertex in a tick. */
+/* Begin a step of a tick of dt, of which there are so many. */
+void dpti_yield_begin(struct local_yield *yield, double dt, uint32_t substeps);
+
+/* m/N: how far a load moves a vertex in it. */
 double dpti_yield_compliance(const struct local_yield *yield, uint32_t vertex);
 
 /* Add the loads of a tick of dt to the sums. 0: there is no room for all of them. */

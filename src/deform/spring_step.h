@@ -25,6 +25,9 @@ void dpti_implicit_begin(struct dpt_springs *springs);
 /* Call after nodes were placed elsewhere: the energy is not known any more. */
 void dpti_implicit_forget(struct dpt_springs *springs);
 
+/* After a step that was undone: the account and the common acceleration are as before it. */
+void dpti_implicit_return(struct dpt_springs *springs, double account, const double common[3]);
+
 /* ---- the energy of springs and of motion, J, in double ---- */
 
 /* The energy of one slice. A spring counts half at each of its nodes. */

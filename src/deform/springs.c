@@ -277,15 +277,19 @@ dpt_result dpti_springs_check_step(double dt, const dpt_springs_info *info)
     return DPT_OK;
 }
 
-dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
-                            dpt_springs_info *info)
+static dpt_result check_step(const struct dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                             const dpt_springs_info *info)
 {
     if (!springs)
         return DPT_E_ARGUMENT;
     DPT_TRY(dpti_springs_check_step(dt, info));
-    if (!dpti_springs_substeps_of(springs, dt))
-        return DPT_E_UNSTABLE;
-    DPT_TRY(check_loads(springs, loads, count));
+    return dpti_springs_substeps_of(springs, dt) ? check_loads(springs, loads, count) : DPT_E_UNSTABLE;
+}
+
+dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t count,
+                            dpt_springs_info *info)
+{
+    DPT_TRY(check_step(springs, dt, loads, count, info));
     struct loaded_step step;
     if (!dpti_loaded_step_make(&step, springs, dt, loads, count, NULL)) {
         dpti_loaded_step_undo(&step);
@@ -296,6 +300,23 @@ dpt_result dpt_springs_step(dpt_springs *springs, double dt, const dpt_load *loa
     if (info)
         sized_write(info, info->size, &step.info, sizeof step.info);
     return DPT_OK;
+}
+
+dpt_result dpt_springs_foresee(dpt_springs *springs, double dt, const dpt_load *loads, uint32_t load_count,
+                               uint32_t count, float *positions)
+{
+    if (!springs || !positions || count != springs->net.nodes)
+        return DPT_E_ARGUMENT;
+    DPT_TRY(check_step(springs, dt, loads, load_count, NULL));
+    struct loaded_step step;
+    const struct spring_solve solve = springs->solve;
+    const int is_done = dpti_loaded_step_make(&step, springs, dt, loads, load_count, NULL);
+    if (is_done)
+        dpt_springs_get_nodes(springs, count, positions, NULL);
+    dpti_loaded_step_undo(&step);
+    if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
+        dpti_implicit_return(springs, solve.account, solve.common);
+    return is_done ? DPT_OK : DPT_E_FINITE;
 }
 
 dpt_result dpt_springs_get_nodes(const dpt_springs *springs, uint32_t count, float *positions, float *speeds)

@@ -44,7 +44,10 @@ dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *me
         answer->vertices = calloc(3 * (size_t)exchange->vertex_count, sizeof(float));
         answer->loads.load = calloc(exchange->loads_room, sizeof(dpt_load));
         exchange->loads[i].load = calloc(exchange->loads_room, sizeof(dpt_load));
-        if (!answer->vertices || !answer->loads.load || !exchange->loads[i].load)
+        /* Of a sheet the nodes are light. A body that has volume is held without, at half of the cost. */
+        const int foresees = has_compliance && !exchange->embedding;
+        answer->foreseen = foresees ? calloc(3 * (size_t)exchange->vertex_count, sizeof(float)) : NULL;
+        if ((foresees && !answer->foreseen) || !answer->vertices || !answer->loads.load || !exchange->loads[i].load)
             result = DPT_E_MEMORY;
     }
     return result;
@@ -54,6 +57,7 @@ void soft_exchange_close(struct soft_exchange *exchange)
 {
     for (int i = 0; i < DPT_LATEST_PLACES; i++) {
         free(exchange->answers[i].vertices);
+        free(exchange->answers[i].foreseen);
         free(exchange->answers[i].loads.load);
         free(exchange->loads[i].load);
     }
@@ -74,7 +78,10 @@ dpt_result soft_exchange_take_answer(struct soft_exchange *exchange, dpt_world *
     *is_new = answer->has_moved;
     if (result != DPT_OK || !answer->has_moved)
         return result;
-    return dpt_body_set_vertices(world, body, 0, exchange->vertex_count, answer->vertices, -1.0);
+    const dpt_result moved = dpt_body_set_vertices(world, body, 0, exchange->vertex_count, answer->vertices, -1.0);
+    return moved == DPT_OK && answer->foreseen
+               ? dpt_body_set_foreseen_vertices(world, body, 0, exchange->vertex_count, answer->foreseen)
+               : moved;
 }
 
 dpt_result soft_exchange_give_loads(struct soft_exchange *exchange, const dpt_world *world, dpt_body body)
@@ -144,6 +151,8 @@ dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *sprin
     if (answer->has_moved)
         result = dpt_springs_get_nodes(springs, exchange->node_count,
                                        exchange->embedding ? exchange->nodes : answer->vertices, NULL);
+    if (result == DPT_OK && answer->has_moved && answer->foreseen)
+        result = dpt_springs_foresee(springs, dt, on_nodes, count, exchange->node_count, answer->foreseen);
     if (result != DPT_OK)
         return result;
     if (exchange->embedding && answer->has_moved)

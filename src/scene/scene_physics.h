@@ -36,6 +36,7 @@ struct soft_loads {
 /* Where vertices are after a step of physics, and the loads of that step. */
 struct soft_answer {
     float *vertices; /* 3 numbers each, in the body's frame; if has_moved */
+    float *foreseen; /* where these will be a step later, with the same loads; NULL: nothing is foreseen */
     struct soft_loads loads;
     int has_moved; /* 0: all of it sleeps */
 };

@@ -147,7 +147,7 @@ dpt_result dpt_body_add_deformable(dpt_world *world, void *block, size_t bytes, 
     if (made->solve)
         memset(made->solve, 0, sizeof(struct tissue_solve));
     if (made->yield)
-        dpti_yield_make(made->yield, made->yield + 1, &def, def.mesh->vertices);
+        dpti_yield_make(made->yield, made->yield + 1, &def, def.mesh->vertices, made->target);
     dpti_surface_of_motion(def.mesh, def.box_min, def.box_max, base + layout.motion, &made->motion, &surface);
     if (def.period > 0.0 || made->yield)
         memcpy(made->target, surface.positions, 3 * sizeof(float) * (size_t)def.mesh->vertices);
@@ -182,6 +182,8 @@ static void set_target(struct deform *deform, const struct vertex_update *update
         memcpy(deform->target + 3 * (size_t)vertex, update->positions + 3 * (size_t)i, 3 * sizeof(float));
     }
     deform->time_left = max_of(deform->def.period, PERIOD_MIN);
+    if (deform->yield)
+        deform->yield->foresees = 0;
 }
 
 /* The box of a body's surface goes where its vertices go, up to the def's. Returns 0 if they would leave that. */
@@ -273,7 +275,7 @@ static void move_on(struct dpt_world *world, struct body *body, double dt)
     if (arrives && deform->yield)
         memcpy(deform->next, deform->target, 3 * sizeof *deform->next * (size_t)vertices);
     if (deform->yield)
-        dpti_yield_move_on(deform->yield, deform->target, arrives ? 1.0 : dt / deform->time_left, deform->next);
+        dpti_yield_move_on(deform->yield, arrives ? 1.0 : dt / deform->time_left, deform->next);
     const struct vertex_update update = { .positions = is_target ? deform->target : deform->next,
                                           .count = vertices,
                                           .bound = -1.0,
@@ -297,7 +299,7 @@ void dpti_deform_begin_step(struct dpt_world *world, double dt)
         deform->point_count = deform->tool_count = 0;
         deform->has_lost_tool = 0;
         if (deform->yield)
-            dpti_yield_arrive(deform->yield, deform->target);
+            dpti_yield_arrive(deform->yield);
         if (deform->time_left > 0.0 && dt > 0.0)
             move_on(world, body, dt);
     }
@@ -532,6 +534,22 @@ dpt_result dpt_body_set_answered_loads(dpt_world *world, dpt_body id, const dpt_
         return DPT_E_FULL;
     if (deform->yield->count)
         deform->time_left = max_of(deform->def.period, PERIOD_MIN);
+    return DPT_OK;
+}
+
+dpt_result dpt_body_set_foreseen_vertices(dpt_world *world, dpt_body id, uint32_t first, uint32_t count,
+                                          const float *positions)
+{
+    const struct body *body = world ? find_deformable(world, id) : NULL;
+    if (!body)
+        return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
+    struct local_yield *yield = deform_of(body)->yield;
+    if (!yield)
+        return DPT_E_UNSUPPORTED;
+    if (!yield->foresees)
+        dpti_yield_note_reached(yield);
+    DPT_TRY(dpt_body_set_vertices(world, id, first, count, positions, -1.0));
+    yield->foresees = 1;
     return DPT_OK;
 }
 

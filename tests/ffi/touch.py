@@ -179,6 +179,8 @@ check("its nodes", core.dpt_mesh_get_embedding(embedded, byref(nodes), byref(wei
 check("they give the vertices", all(
     abs(sum(weights[4 * v + k] * points[nodes[4 * v + k]][axis] for k in range(4)) - corners[sources[v]][axis]) < 1e-5
     for v in range(8) for axis in range(3)))
+foreseen = (c_float * (3 * core.dpt_springs_get_count(stepped)))()
+check("it falls", core.dpt_springs_foresee(stepped, c_double(0.01), None, 0, len(foreseen) // 3, foreseen) == 0)
 compiler.dpt_compiled_free(byref(embedded_file))
 
 # Its own physics: a lattice of cubes of 0.5 m about it, its lower half fixed.
@@ -308,6 +310,7 @@ seconds = c_double()
 check("the mean of its loads", core.dpt_body_get_mean_loads(world, soft, loads, 64, byref(count), byref(seconds)) == 0
       and is_near(seconds.value, 0.002))
 check("an answer", core.dpt_body_set_answered_loads(world, soft, loads, count) == 0)
+check("and what comes next", core.dpt_body_set_foreseen_vertices(world, soft, 0, 0, None) == 0)
 settings.law = 0
 core.dpt_tool_set_settings(world, tool, byref(settings))
 core.dpt_body_remove(world, soft)

@@ -130,6 +130,7 @@ static int make_net(struct tissue *tissue)
     tissue->off = calloc(3 * n, sizeof *tissue->off);
     tissue->speed = calloc(3 * n, sizeof *tissue->speed);
     tissue->load = calloc(3 * n, sizeof *tissue->load);
+    tissue->kept = malloc(6 * n * sizeof *tissue->kept);
     tissue->positions = malloc(3 * n * sizeof *tissue->positions);
     tissue->last_positions = malloc(3 * n * sizeof *tissue->last_positions);
     tissue->answers = calloc(n, sizeof *tissue->answers);
@@ -137,7 +138,7 @@ static int make_net(struct tissue *tissue)
     tissue->last = malloc(LOADS_MAX * sizeof *tissue->last);
     int is_made = tissue->links && tissue->first && tissue->is_fixed && tissue->area && tissue->pull && tissue->off &&
                   tissue->speed && tissue->load && tissue->positions && tissue->loads && tissue->last &&
-                  tissue->last_positions && tissue->answers;
+                  tissue->last_positions && tissue->answers && tissue->kept;
     for (size_t i = 0; i < sizeof tissue->scratch / sizeof *tissue->scratch; i++) {
         tissue->scratch[i] = calloc(3 * n, sizeof **tissue->scratch);
         is_made = is_made && tissue->scratch[i];
@@ -195,6 +196,7 @@ void tissue_close(struct tissue *tissue)
     free(tissue->off);
     free(tissue->speed);
     free(tissue->load);
+    free(tissue->kept);
     free(tissue->positions);
     free(tissue->answers);
     free(tissue->loads);
@@ -311,10 +313,15 @@ static void take_positions(struct tissue *tissue)
         tissue->off[i] = (double)positions[i] - (double)tissue->rest[i];
 }
 
-static void hand_over(struct tissue *tissue)
+static void find_positions(struct tissue *tissue)
 {
     for (size_t i = 0; i < 3 * (size_t)tissue->vertices; i++)
         tissue->positions[i] = (float)((double)tissue->rest[i] + tissue->off[i]);
+}
+
+static void hand_over(struct tissue *tissue)
+{
+    find_positions(tissue);
     if (dpt_body_set_vertices(tissue->world, tissue->body, 0, tissue->vertices, tissue->positions, -1.0) != DPT_OK)
         tissue->has_failed = 1;
 }
@@ -342,6 +349,20 @@ static void give_way(struct tissue *tissue, double time)
     }
 }
 
+/* A step with the same loads, and back. */
+static void look_ahead(struct tissue *tissue, double time)
+{
+    const size_t n = 3 * (size_t)tissue->vertices, bytes = n * sizeof *tissue->kept;
+    memcpy(tissue->kept, tissue->off, bytes);
+    memcpy(tissue->kept + n, tissue->speed, bytes);
+    give_way(tissue, time);
+    find_positions(tissue);
+    if (dpt_body_set_foreseen_vertices(tissue->world, tissue->body, 0, tissue->vertices, tissue->positions) != DPT_OK)
+        tissue->has_failed = 1;
+    memcpy(tissue->off, tissue->kept, bytes);
+    memcpy(tissue->speed, tissue->kept + n, bytes);
+}
+
 void tissue_advance(struct tissue *tissue)
 {
     const uint64_t tick = tissue->tick;
@@ -361,6 +382,8 @@ void tissue_advance(struct tissue *tissue)
         beat_at(tissue, time, tissue->off);
     }
     hand_over(tissue);
+    if (tissue->foresees)
+        look_ahead(tissue, time + tissue_period(tissue));
 }
 
 void tissue_yield(struct tissue *tissue)

@@ -80,6 +80,7 @@ struct tissue {
     int is_interpolated;
     double
         compliance; /* it tells how far vertices give way, so many times as far as each does by itself; 0: it does not */
+    int foresees;   /* with a compliance: it makes a step ahead, and tells where that leads */
     double load_radius; /* m */
     uint32_t response;  /* DPT_RESPONSE_... */
     int is_led;         /* physics gets no loads, and goes on from where vertices were put */
@@ -95,6 +96,7 @@ struct tissue {
     double *off, *speed, *load;
     double *area, *pull; /* of a vertex: a third of its triangles, and the sum of its links */
     double *scratch[6];
+    double *kept; /* where they are, and how fast, while it looks ahead */
     float *positions;
     float *answers;            /* m/N: what it tells */
     struct tissue_link *links; /* of each vertex with its neighbours: N/m by unit of tension */

@@ -427,6 +427,35 @@ static void step(void)
               pair->most);
 }
 
+/* Both go on from where they are, awake where the loads would wake them. */
+static void foresee(void)
+{
+    static struct nodes before, after;
+    static float foreseen[2][3 * NODES_MOST];
+    struct pair_of_springs *pair = draw_pair();
+    dpt_load loads[LOADS_MOST];
+    dpt_result result = DPT_OK;
+    if (!pair)
+        return;
+    const uint32_t what = draw_below(20);
+    const double dt = draw_step(pair);
+    struct codes codes = { .count = 0 };
+    step_codes(pair, dt, &codes);
+    const uint32_t count = draw_loads(pair, loads, &codes);
+    may_fail(&codes, what < 3, DPT_E_ARGUMENT);
+    read_nodes(pair, 0, &before);
+    for (int i = 0; i < 2 && (i == 0 || pair->made[1]); i++)
+        SAME_RESULT(i, result,
+                    RESULT(dpt_springs_foresee, what == 0 ? NULL : pair->made[i], dt, loads, count,
+                           pair->nodes + (what == 1), what == 2 ? NULL : foreseen[i]));
+    expect(result, &codes);
+    HOLDS(result != DPT_OK || !pair->made[1] ||
+              !memcmp(foreseen[0], foreseen[1], 3 * sizeof foreseen[0][0] * pair->nodes),
+          "the twin foresees something else");
+    read_nodes(pair, 0, &after);
+    HOLDS(nodes_are_same(pair, &before, &after), "it has moved");
+}
+
 /* ---- with a deformable body ---- */
 
 /* Mostly a body of the springs' mesh, which may be added for it. */
@@ -520,10 +549,10 @@ static void step_body(void)
         HOLDS(nodes_are_same(pair, &before, &after), "its springs have gone on after an error");
 }
 
-static const struct move moves[] = {
-    { "create", create, 4 },       { "defaults", defaults, 1 },      { "get nodes", get_nodes, 2 },
-    { "set nodes", set_nodes, 3 }, { "get energy", get_energy, 2 },  { "get compliances", get_compliances, 2 },
-    { "step", step, 10 },          { "step a body", step_body, 10 }, { NULL, NULL, 0 }
-};
+static const struct move moves[] = { { "create", create, 4 },          { "defaults", defaults, 1 },
+                                     { "get nodes", get_nodes, 2 },    { "set nodes", set_nodes, 3 },
+                                     { "get energy", get_energy, 2 },  { "get compliances", get_compliances, 2 },
+                                     { "foresee", foresee, 2 },        { "step", step, 10 },
+                                     { "step a body", step_body, 10 }, { NULL, NULL, 0 } };
 
 const struct noun spring_noun = { "springs", NULL, end, moves };

@@ -114,11 +114,33 @@ static void answer(void)
     yielding.has_answered |= result == DPT_OK;
 }
 
+/* Where all vertices stand, a little lower. */
+static void foresee(void)
+{
+    static float foreseen[3 * VERTICES_MOST];
+    const float *now;
+    uint32_t count;
+    if (!is_there() || dpt_body_get_vertices(yielding.world, yielding.body, &now, &count) != DPT_OK ||
+        count > VERTICES_MOST)
+        return;
+    struct codes codes = { .count = 0 };
+    const int is_far = draw_one_in(6), is_odd = !is_far && draw_one_in(6), no_world = draw_one_in(20);
+    for (uint32_t i = 0; i < 3 * count; i++)
+        foreseen[i] = now[i] - (i % 3 == 2 ? 1e-4f : 0.0f);
+    if (is_odd)
+        foreseen[draw_below(3 * count)] = NAN;
+    may_fail(&codes, is_far || no_world, DPT_E_ARGUMENT);
+    may_fail(&codes, is_odd, DPT_E_FINITE);
+    expect(RESULT(dpt_body_set_foreseen_vertices, no_world ? NULL : yielding.world, yielding.body, (uint32_t)is_far,
+                  count, foreseen),
+           &codes);
+}
+
 /* As a game ends, on a world that lives no longer. */
 static void end(void)
 {
     for (int i = 0; i < ACTIONS; i++)
-        (draw_one_in(3) ? answer : step)();
+        (draw_one_in(3) ? answer : draw_one_in(4) ? foresee : step)();
     free(yielding.world_block);
     free(yielding.body_block);
     memset(&yielding, 0, sizeof yielding);
