@@ -167,12 +167,33 @@ static double force_on_top(const struct grid *grid)
     return force;
 }
 
-/* The force by the way of the patch; *bulge: how far the middle of a side moves. */
-static double solve_block(const struct elastic_block *block, double *bulge)
+/* m^3: what the quarter has lost of its volume, by the mean of each element. */
+static double lost_volume(const struct grid *grid, double cell)
 {
+    const double middle[3] = { 0.5, 0.5, 0.5 };
+    double sum = 0.0;
+    for (size_t z = 0; z < grid->deep; z++)
+        for (size_t y = 0; y < grid->across; y++)
+            for (size_t x = 0; x < grid->across; x++)
+                for (size_t i = 0; i < CORNERS; i++) {
+                    const double *u = grid->u + 3 * node_at(grid, x + (i & 1), y + (i >> 1 & 1), z + (i >> 2));
+                    double gradient[3];
+                    shape_gradient(i, middle, gradient);
+                    for (size_t k = 0; k < 3; k++)
+                        sum -= gradient[k] * u[k] * cell * cell;
+                }
+    return sum;
+}
+
+struct solution {
+    double force, bulge, lost; /* by the way of the patch: N, how far the middle of a side moves, m^2 */
+};
+
+static struct solution solve_block(const struct elastic_block *block)
+{
+    struct solution of = { -1.0, 0.0, 0.0 };
     struct grid grid = { 0 };
     const size_t patch = cells_of(block->patch, block->cell);
-    double force = -1.0;
     if (open_grid(&grid, block) && patch && patch <= grid.across) {
         for (size_t y = 0; y <= patch; y++)
             for (size_t x = 0; x <= patch; x++) {
@@ -181,11 +202,11 @@ static double solve_block(const struct elastic_block *block, double *bulge)
                 memset(grid.is_free + at - (block->slides ? 0 : 2), 0, block->slides ? 1 : 3);
             }
         solve(&grid);
-        force = force_on_top(&grid);
-        *bulge = grid.u[3 * node_at(&grid, grid.across, 0, grid.deep / 2)];
+        of = (struct solution){ force_on_top(&grid), grid.u[3 * node_at(&grid, grid.across, 0, grid.deep / 2)],
+                                4.0 * lost_volume(&grid, block->cell) };
     }
     close_grid(&grid);
-    return force;
+    return of;
 }
 
 /* How far below its lowest point the tool is, at a place of the upper face. */
@@ -228,12 +249,16 @@ double oracle_elastic_force(const struct elastic_block *block, const struct elas
 
 double oracle_elastic_stiffness(const struct elastic_block *block)
 {
-    double bulge;
-    return solve_block(block, &bulge);
+    return solve_block(block).force;
 }
 
 double oracle_elastic_bulge(const struct elastic_block *block)
 {
-    double bulge = 0.0;
-    return solve_block(block, &bulge) > 0.0 ? bulge : 0.0;
+    return solve_block(block).bulge;
+}
+
+double oracle_elastic_loss(const struct elastic_block *block)
+{
+    const double side = 2.0 * block->half;
+    return solve_block(block).lost / (side * side);
 }

@@ -44,4 +44,7 @@ double oracle_elastic_stiffness(const struct elastic_block *block);
 /* How far the middle of a side moves outward, by how far the patch is in. 0 for what cannot be solved. */
 double oracle_elastic_bulge(const struct elastic_block *block);
 
+/* The share of its volume that it loses, by the share of its depth by which it is pressed. 0 likewise. */
+double oracle_elastic_loss(const struct elastic_block *block);
+
 #endif
