@@ -24,6 +24,7 @@ vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with mo
 motors|9 MB, and 75 more from PyPI|libraries for Damiao, RobStride, CyberGear and moteus motors, which read our frames|python3 python3-venv
 view|234 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them; pictures|pkg-config libwebsockets-dev nodejs npm chromium webp
 build|27 MB, and 340 for a chroot|projects built with CMake, also in an empty chroot; manual pages as they are shown|cmake debootstrap groff
+counts|22 MB|callgrind, which counts instructions: what a term of the springs costs|valgrind
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
 python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv

@@ -106,7 +106,7 @@ check "but when another is locked" test "$(grep -c '^npm ci' "$CALLS")" -eq 1
 rm "$scratch/bin/node" "$scratch/bin/npm"
 asks make deps nonesuch
 check "an unknown group is an error" test $status -eq 2
-check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build abi python newton lerobot wheels platforms docs wasm languages or all' "$scratch/says"
+check "which names those there are" grep -q 'light peers kinematics soft cross firmware vm motors view build counts abi python newton lerobot wheels platforms docs wasm languages or all' "$scratch/says"
 check "and installs nothing" untouched
 (cd "$scratch/tree" && PATH="$scratch/bin:$scratch/rest" sh tests/vm/kernel.sh) >"$scratch/says" 2>&1
 check "a test alone fetches no kernel" test $? -eq 77 -a ! -s "$INSTALLED"
