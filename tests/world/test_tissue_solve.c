@@ -49,6 +49,15 @@ static int is_on_soft(const struct brute *brute, uint32_t t)
     return 0;
 }
 
+/* Whether a body is stepped together with a tool: another one has substeps of its own, and no viscosity of touch. */
+static int is_reached(const struct brute *brute, uint32_t body)
+{
+    for (uint32_t i = 0; i < brute->count; i++)
+        if (brute->pair[i].body == body && brute->pair[i].gap < SURELY)
+            return 1;
+    return 0;
+}
+
 static void compare(const struct brute *brute, uint32_t substeps, struct worst *worst)
 {
     const struct tissue_rig *tissue = brute->tissue;
@@ -74,8 +83,9 @@ static void compare(const struct brute *brute, uint32_t substeps, struct worst *
         worst->crowded += (tissue->tool[t].force.flags & DPT_FORCE_FLAG_CROWDED) != 0;
     }
     brute_read_nodes(tissue, brute->end);
-    for (size_t i = 0; i < (size_t)TISSUE_BODIES * BRUTE_ROOM; i++)
-        node = fmax(node, fabs(brute->end[i] - brute->mine[i]));
+    for (uint32_t b = 0; b < TISSUE_BODIES; b++)
+        for (size_t i = (size_t)BRUTE_ROOM * b; is_reached(brute, b) && i < (size_t)BRUTE_ROOM * (b + 1); i++)
+            node = fmax(node, fabs(brute->end[i] - brute->mine[i]));
     worst->node = fmax(worst->node, node / (NODE_OFF + substeps * sqrt(2.0 * RESIDUAL * sum * brute->loosest)));
     worst->off += is_off || node > NODE_OFF;
     worst->most = pushing > worst->most ? pushing : worst->most;
