@@ -148,7 +148,8 @@ typedef struct dpt_deformable_def {
      * Above 0 dpt_body_step_springs, with NULL for springs, solves contact with it in each tick. Only for
      * DPT_RESPONSE_LOAD. New positions are then reached in the next step, or after the period; dpt_body_get_vertices tells
      * the surface that is felt, given way. Give it a load_radius of three edges: with 0 vertices take turns, and at 100
-     * Hz and below a ball hums by 5 to 9 % of its force. dpt_springs_get_compliances tells that of springs.
+     * Hz and below a ball hums by 5 to 9 % of its force, unless physics looks ahead (dpt_body_set_foreseen_vertices).
+     * dpt_springs_get_compliances tells that of springs.
      * docs/algorithms/deform.md, "Physics that tells how far it gives way"; 0
      */
     double compliance;
