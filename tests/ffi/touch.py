@@ -179,8 +179,6 @@ check("its nodes", core.dpt_mesh_get_embedding(embedded, byref(nodes), byref(wei
 check("they give the vertices", all(
     abs(sum(weights[4 * v + k] * points[nodes[4 * v + k]][axis] for k in range(4)) - corners[sources[v]][axis]) < 1e-5
     for v in range(8) for axis in range(3)))
-foreseen = (c_float * (3 * core.dpt_springs_get_count(stepped)))()
-check("it falls", core.dpt_springs_foresee(stepped, c_double(0.01), None, 0, len(foreseen) // 3, foreseen) == 0)
 compiler.dpt_compiled_free(byref(embedded_file))
 
 # Its own physics: a lattice of cubes of 0.5 m about it, its lower half fixed.
@@ -203,6 +201,8 @@ springs_block = (c_double * (need // 8 + 1))()
 check("make them go", core.dpt_springs_create(springs_block, c_size_t(need), byref(springs_def), byref(stepped)) == 0)
 check("what is above gives way", core.dpt_springs_get_compliances(stepped, c_double(0.01), 8, told) == 0 and all(
     (told[v] > 0) == (corners[sources[v]][2] > 0.6) for v in range(8)))
+foreseen = (c_float * (3 * core.dpt_springs_get_count(stepped)))()
+check("it falls", core.dpt_springs_foresee(stepped, c_double(0.01), None, 0, len(foreseen) // 3, foreseen) == 0)
 compiler.dpt_compiled_free(byref(embedded_file))
 
 ends = (c_double * 6)(0.3, 0.2, 1.5, 0.3, 0.2, 2.5)
