@@ -5,8 +5,8 @@
 
 #include "base/return_if_error.h"
 #include "base/vec3.h"
+#include "host/tool_spread.h"
 #include "scene/setting_words.h"
-#include "scene/tool_spread.h"
 
 /* What counts for the tool's turns: its segments, then the axes of its tips. Returns how many there are. */
 static uint32_t list_parts(const struct scene *scene, dpt_segment *parts)

@@ -352,7 +352,8 @@ static void the_golden_file_stays_readable(void)
     CHECK(write_golden_records(again, ROOM) > 0, "write");
     for (uint32_t k = 0; k < count; k++) {
         dpt_record expected = golden_record(k);
-        memset((unsigned char *)&expected + offsetof(dpt_record, depth), 0, sizeof expected - offsetof(dpt_record, depth));
+        memset((unsigned char *)&expected + offsetof(dpt_record, depth), 0,
+               sizeof expected - offsetof(dpt_record, depth));
         CHECK(!memcmp(&records[k], &expected, sizeof expected), "record %u", k);
         CHECK(!memcmp(again + k * dpt_record_bytes() + RECORD_PREFIX, bytes + begin + k * GOLDEN_BYTES + RECORD_PREFIX,
                       GOLDEN_BYTES - RECORD_PREFIX),

@@ -265,8 +265,8 @@ static void a_small_budget_pierces(void)
     CHECK(whole.channel.id && !whole.waited, "it waits without a budget");
     for (int trembles = 0; trembles < 2; trembles++) {
         const struct pierced part = pierce_fine(SMALL_BUDGET, trembles * 1e-7);
-        CHECK(part.channel.id && part.waited > 2 && part.most <= SMALL_BUDGET,
-              "%d ticks waited, %u units in a tick", part.waited, part.most);
+        CHECK(part.channel.id && part.waited > 2 && part.most <= SMALL_BUDGET, "%d ticks waited, %u units in a tick",
+              part.waited, part.most);
         CHECK(fabs(part.channel.entry[0] - whole.channel.entry[0]) < 1e-6 &&
                   fabs(part.channel.entry[2] - whole.channel.entry[2]) < 1e-6 && part.channel.ruptures == 1 &&
                   part.channel.layers == 1 && part.channel.depth > 1e-4,

@@ -187,7 +187,9 @@ static void report_springs(FILE *file, const dpt_mesh_info *info)
             "Poisson's ratio %.2f, stable up to %.3g s\n",
             info->springs, info->spring_nodes, info->fixed_nodes, info->spring_mass, info->poisson, info->stable_step);
     if (!info->fixed_nodes)
-        fprintf(file, "  nothing holds it: a tool pushes it away, and gravity lets it fall; --regions or --fixed holds a part\n");
+        fprintf(
+            file,
+            "  nothing holds it: a tool pushes it away, and gravity lets it fall; --regions or --fixed holds a part\n");
 }
 
 static void print_json(const dpt_compiled *compiled, int is_arm)

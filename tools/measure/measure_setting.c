@@ -10,8 +10,8 @@
 #include "base/vec3.h"
 #include "cli/command_options.h"
 #include "dynpoint/kernel.h"
+#include "host/tool_spread.h"
 #include "platform/machine.h"
-#include "scene/tool_spread.h"
 #include "shape/trace_hand.h"
 #include "shape/trace_unit.h"
 

@@ -345,7 +345,11 @@ PyObject *dpy_make_pose(const dpt_pose *pose)
 int dpy_get_array(PyObject *from, Py_buffer *view, const char *format, Py_ssize_t item, Py_ssize_t columns,
                   Py_ssize_t *rows, const char *what)
 {
-    const char *name = !*format ? "structs" : *format == 'd' ? "float64" : *format == 'f' ? "float32" : *format == 'i' ? "int32" : "uint32";
+    const char *name = !*format         ? "structs"
+                       : *format == 'd' ? "float64"
+                       : *format == 'f' ? "float32"
+                       : *format == 'i' ? "int32"
+                                        : "uint32";
     if (!PyObject_CheckBuffer(from)) {
         PyErr_Format(PyExc_TypeError, "%s: wanted an array of %s, not %R", what, name, (PyObject *)Py_TYPE(from));
         return -1;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-#include "platform/file.h"
 #include "bindings/python/python_springs.h"
+#include "platform/file.h"
 
 #include "bindings/python/python_mesh.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 
-#include "platform/file.h"
 #include "bindings/python/python_world.h"
+#include "platform/file.h"
 
 #include <stdlib.h>
 #include <string.h>

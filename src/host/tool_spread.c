@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-#include "scene/tool_spread.h"
+#include "host/tool_spread.h"
 
 #include <math.h>
 

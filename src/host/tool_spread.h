@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Where a tool's centre is, and how far it spreads about it (docs/algorithms/force.md). */
-#ifndef DPT_SCENE_TOOL_SPREAD_H
-#define DPT_SCENE_TOOL_SPREAD_H
+#ifndef DPT_HOST_TOOL_SPREAD_H
+#define DPT_HOST_TOOL_SPREAD_H
 
 #include "dynpoint/types.h"
 
