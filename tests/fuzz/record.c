@@ -50,6 +50,9 @@ static void use(const dpt_record *record)
     MUST(at == written && !memcmp(&again, record, sizeof again));
 }
 
+/* The bytes of a tick in the first release, which are read too. */
+enum { OLDEST = 504 };
+
 static void read_all(const uint8_t *bytes, size_t size)
 {
     dpt_record_header header = { .size = sizeof header };
@@ -66,7 +69,7 @@ static void read_all(const uint8_t *bytes, size_t size)
     while (at < size) {
         const size_t before = at;
         const dpt_result result = dpt_record_read(bytes, size, &at, records, 3, &count);
-        MUST(at <= size && count <= 3 && at >= before + count * dpt_record_bytes());
+        MUST(at <= size && count <= 3 && at >= before + count * OLDEST);
         MUST(result == DPT_OK ||
              (!count && (result == DPT_E_TRUNCATED || result == DPT_E_LAYOUT || result == DPT_E_CHECKSUM)));
         for (uint32_t i = 0; i < count; i++)
@@ -74,7 +77,7 @@ static void read_all(const uint8_t *bytes, size_t size)
         all += count;
         at += result != DPT_OK;
     }
-    MUST(all <= size / dpt_record_bytes());
+    MUST(all <= size / OLDEST);
 }
 
 FUZZ_TARGET(record)

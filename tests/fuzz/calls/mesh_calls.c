@@ -109,11 +109,13 @@ static void section(void)
     const struct subject *subject = draw_subject();
     const uint32_t index = draw_one_in(8) ? (uint32_t)draw_bits() >> draw_below(32) : draw_below(28);
     const int no_mesh = draw_one_in(40), no_out = draw_one_in(40);
+    uint32_t sections; /* docs/format.md: how many there are depends on the version of the file */
     dpt_mesh_section now;
     const uint32_t size = draw_size(sizeof now, sizeof now);
     dpt_mesh_section *out = output_sized(0, size);
     struct codes codes = { .count = 0 };
-    may_fail(&codes, no_mesh || no_out || index > 23, DPT_E_ARGUMENT);
+    memcpy(&sections, (const unsigned char *)subject->mesh + 24, sizeof sections);
+    may_fail(&codes, no_mesh || no_out || index >= sections, DPT_E_ARGUMENT);
     if (!no_out)
         size_codes_of_output(size, sizeof now, 0, &codes);
     call_with("section %llu, size %llu", index, size, 0, 0);
