@@ -257,7 +257,7 @@ static void set_settings(void)
                                          /* These worlds have no room for channels: no tool of theirs pierces. */
                                          .piercing = draw_one_in(30) ? draw_below(4) : 0u };
     const uint32_t size = draw_size(offsetof(dpt_tool_settings, piercing), sizeof settings);
-    const uint32_t piercing = size >= sizeof settings ? settings.piercing : 0u;
+    const uint32_t piercing = size >= offsetof(dpt_tool_settings, reserved) ? settings.piercing : 0u;
     struct codes codes = { .count = 0 };
     dpt_result result = DPT_OK;
     may_fail(&codes, no_world || no_settings, DPT_E_ARGUMENT);
