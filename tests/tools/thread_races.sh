@@ -21,7 +21,7 @@ $fixed "$scratch/empty" 2>"$scratch/empty.out" ||
     { skip "threads under ThreadSanitizer: it cannot run here ($(head -n 1 "$scratch/empty.out"))"; finish; }
 
 parts=
-for part in $(ls src/*/*.c | sed '/^src\/convex\//d; /^src\/\(scene\|host\)\//d; s/\.c$//') src/scene/scene_list src/scene/host_error src/scene/host_file src/scene/surface_regions src/scene/shape src/scene/shape_organs tools/cli/command_options tools/cli/complete tools/view/view_stream $(ls drivers/platform/posix/*.c drivers/platform/linux/*.c | sed "/_serial/d; s/\.c$//"); do
+for part in $(ls src/*/*.c | sed '/^src\/convex\//d; /^src\/\(scene\|host\)\//d; s/\.c$//') src/scene/scene_list src/scene/host_error src/scene/host_file src/scene/surface_regions src/scene/shape src/scene/shape_organs tools/cli/command_options tools/cli/complete tools/view/view_stream $(ls drivers/platform/posix/*.c drivers/platform/linux/*.c | sed "/_serial/d; /_interpreter/d; s/\.c$//"); do
     parts="$parts $build/$part.o"
 done
 
