@@ -70,8 +70,9 @@ typedef struct dpt_body_settings {
      */
     double stiffness;
     /*
-     * What a piercing tool meets (insertion.h), in worlds with room for channels: elsewhere, and for deformable bodies,
-     * a puncture force or toughness above 0 is DPT_E_UNSUPPORTED. With both 0, nothing pierces the body.
+     * What a piercing tool meets (insertion.h), in worlds with room for channels: elsewhere, and for deformable bodies
+     * that have neither springs nor a compliance, or are displaced, a puncture force or toughness above 0 is
+     * DPT_E_UNSUPPORTED. With both 0, nothing pierces the body.
      *   puncture_force   N, 0..1e6: a wall ruptures at this force of the tip along its axis. 0: by the toughness; 0
      *   toughness        J/m2, 0..1e9: what it takes to open the material. Without a puncture force, a wall ruptures
      *                    where the coupling holds as much as opens the tip's cross-section. To cut on takes it on a
@@ -183,7 +184,6 @@ DPT_API size_t dpt_deformable_bytes(const dpt_deformable_def *def);
  * Add a deformable body. `block` is aligned to 8 and of at least dpt_deformable_bytes(def) bytes; it belongs to the body
  * until that is removed. Takes time in proportion to the mesh's triangles.
  *
- * DPT_E_UNSUPPORTED: the world has room for channels (insertion.h). Tools pierce rigid bodies alone, so far.
  * DPT_E_ARGUMENT: the box does not hold the mesh, or a value is out of its range. DPT_E_FINITE: the box is not finite, or
  * beyond DPT_COORDINATE_MAX.
  *

@@ -20,6 +20,10 @@
  * Of a body, what the needle's straight cylinder cuts in walls that have ruptured is open to it, and nothing else.
  * Needles do not bend.
  *
+ * A body that gives way is pierced if it has springs or a compliance (body.h). Step it with dpt_bodies_step_springs: needle,
+ * coupling and tissue are then solved together. A hole moves with the tissue at its entry. Where a rigid body's channel keeps
+ * its line, the shaft in tissue is held at points that move with it; entered again, the hole takes the tool as it points.
+ *
  * A tool leaves all its channels as by a teleport where bodies move so that its line cannot follow
  * (DPT_FORCE_FLAG_SQUEEZED): another body meets its shaft, or its tip where that cannot go back along the line; two
  * bodies that it is in move aside of each other by a tenth of its radius; or a budget ends the search for what bodies

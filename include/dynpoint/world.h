@@ -138,8 +138,7 @@ typedef struct dpt_world_def {
     uint32_t sweep_budget;
     uint32_t max_tips; /* of all tools together (tip.h), 0..65535; 4 */
     /*
-     * Holes that tools may make in bodies, of all tools together, 0..65535 (insertion.h). 0: nothing is pierced. Above 0 the
-     * world takes no deformable bodies; 0
+     * Holes that tools may make in bodies, of all tools together, 0..65535 (insertion.h). 0: nothing is pierced; 0
      */
     uint32_t max_channels;
     uint32_t reserved; /* 0 */

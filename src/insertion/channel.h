@@ -15,12 +15,30 @@
 #include "mesh/surface.h"
 #include "nearest/bvh.h"
 
-enum { CHANNEL_WALLS_MAX = 16, CHANNEL_LAYERS_MAX = 8 };
+enum { CHANNEL_WALLS_MAX = 16, CHANNEL_LAYERS_MAX = 8, CHANNEL_POINTS_MAX = 8, CHANNEL_HITS_MAX = 6 };
 
 struct channel_stretch {
     double from, to;
     uint32_t region; /* of the surface where it begins; 0: none */
     uint32_t reserved;
+};
+
+/* A point of a surface: weights of its triangle's corners, times its share. */
+struct channel_hit {
+    uint32_t triangle; /* place */
+    uint32_t reserved;
+    double weight[3];
+};
+
+/* A point that the channel shares with its body: channel_points.h. */
+struct channel_point {
+    uint32_t hit_count; /* 0: of a rigid body */
+    uint32_t reserved;
+    double place;     /* on the line when it was made */
+    double stiffness; /* N/m: of the bristles that hold the shaft across */
+    vec3 rest;        /* of a rigid body: where it is, in the body's frame; else 0 */
+    vec3 offset;      /* m: of the axis from the point where these are not stretched, in the body's frame */
+    struct channel_hit hits[CHANNEL_HITS_MAX];
 };
 
 struct channel {
@@ -40,6 +58,9 @@ struct channel {
     uint32_t is_from_inside; /* 1: the line comes out first: the mouth is inside, or behind an open sheet */
     struct channel_stretch walls[CHANNEL_WALLS_MAX];   /* ascending, apart from each other */
     struct channel_stretch layers[CHANNEL_LAYERS_MAX]; /* likewise */
+    double opened;                                     /* so far walls are open, also where they move */
+    uint32_t point_count;                              /* 0: the world has no bodies that deform */
+    struct channel_point points[CHANNEL_POINTS_MAX];   /* by ascending place */
 };
 
 enum { CHANNEL_CROSSINGS_MAX = 2 * CHANNEL_LAYERS_MAX + 2 };

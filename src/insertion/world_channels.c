@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "insertion/world_channels.h"
 
+#include "insertion/channel_points.h"
 #include "insertion/region_law.h"
 
-enum { BYTES_CHANNEL = 832, BYTES_TOOL = 2816, BYTES_REGIONS = 736 };
+enum { BYTES_CHANNEL = 2848, BYTES_TOOL = 4744, BYTES_REGIONS = 736 };
 typedef char channel_fits[sizeof(struct channel) <= BYTES_CHANNEL ? 1 : -1];
 typedef char tool_fits[sizeof(struct piercing_tool) <= BYTES_TOOL ? 1 : -1];
 typedef char regions_fit[sizeof(struct body_regions) <= BYTES_REGIONS ? 1 : -1];
@@ -36,6 +37,15 @@ int dpti_is_inserted_in(const struct dpt_world *world, const struct tool *tool, 
     return 0;
 }
 
+int dpti_is_inserted_in_tissue(const struct dpt_world *world, const struct tool *tool)
+{
+    const struct insertion *insertion = insertion_of(world, tool);
+    for (uint32_t i = 0; i < insertion->count; i++)
+        if (dpti_channel_body(world, &world->channels[insertion->in[i].channel])->surface.motion)
+            return 1;
+    return 0;
+}
+
 const struct body *dpti_channel_body(const struct dpt_world *world, const struct channel *channel)
 {
     return &world->bodies[handle_index(channel->body_id)];
@@ -61,6 +71,9 @@ void dpti_channel_open(struct dpt_world *world, struct channel *channel, const s
     channel->id = world->last_channel_id;
     channel->body_id = body->id;
     channel->tool_id = tool_id(world, tool);
+    channel->opened = channel->walls[channel->open_count - 1].to + channel->radius;
+    if (world->deform_count)
+        dpti_channel_add_entry(channel, &body->surface);
 }
 
 void dpti_insertion_add(struct dpt_world *world, const struct tool *tool, const struct channel *channel, double place)

@@ -17,6 +17,16 @@ struct inserted {
     double slid;     /* m: so far the motion of this body against the host's has brought the tip deeper in this tick */
     double friction; /* N, in the last tick: along the shaft, against going in */
     double tip;      /* N: likewise what it takes at the tip, to cut or before a wall */
+    /* Beside bodies that give way: src/tissue/tissue_shaft.h. */
+    double rest;                       /* of the mean of its points: where bristles along are not stretched, m */
+    double shared;                     /* the anchor by which points have their shares in that mean */
+    double inside;                     /* m: of the shaft, while it sticks */
+    double push;                       /* N: of the tip on the wall that stops it */
+    double pace;                       /* m: so far the tip may go deeper in the next step */
+    uint32_t is_shared;                /* 1: `rest`, `shared` and `inside` are known */
+    uint32_t is_slipping, has_slipped; /* at the end of the last tick, and in it */
+    uint32_t is_cutting;               /* the tip has gone on cutting in the last tick */
+    uint32_t is_paced;                 /* the pace held the tip in the last tick */
 };
 
 /* Of a tool. All zeros: it is in no channel. The first is its host: the others lie on its line. */
@@ -61,6 +71,9 @@ static inline int tool_is_inserted(const struct dpt_world *world, const struct t
 {
     return world->channels && insertion_of(world, tool)->count > 0;
 }
+
+/* 1 if a tool is in a channel of a body that deforms. */
+int dpti_is_inserted_in_tissue(const struct dpt_world *world, const struct tool *tool);
 
 /* 1 if a tool is in a channel of the body. */
 int dpti_is_inserted_in(const struct dpt_world *world, const struct tool *tool, uint32_t body_id);

@@ -115,13 +115,30 @@ double dpti_channel_offset(const struct channel_line *host, const struct channel
     return dot(sub(host->mouth, line->mouth), line->axis);
 }
 
+/* As multiples of the clearance: so far before its first wall the tip is out of a body that deforms. */
+#define OUT 8.0
+
+double dpti_channel_mouth_place(const struct proxy_tick *tick, const struct channel *channel)
+{
+    if (!dpti_channel_body(tick->world, channel)->surface.motion)
+        return 0.0;
+    return channel->wall_count ? channel->walls[0].from - tick->clearance : HUGE_VAL;
+}
+
+double dpti_channel_way_out(const struct proxy_tick *tick, const struct channel *channel)
+{
+    if (!dpti_channel_body(tick->world, channel)->surface.motion)
+        return 0.0;
+    return channel->wall_count ? channel->walls[0].from - OUT * tick->clearance : HUGE_VAL;
+}
+
 /* The cosine of the largest turn from a tool to the channel that it enters. */
 #define ALIGNED 0.9
 
 int dpti_is_at_mouth(const struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line)
 {
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(tick->world, tick->tool));
-    const vec3 from = sub(tip, line->mouth);
+    const vec3 from = sub(tip, along(line->mouth, dpti_channel_mouth_place(tick, channel), line->axis));
     const vec3 direction = frame_turn(&tick->at.frame, dpti_tip_direction(tick->world, tick->tool));
     return dot(direction, line->axis) >= ALIGNED && length(cross(from, line->axis)) <= channel->radius &&
            fabs(dot(from, line->axis)) <= 2.0 * channel->radius;

@@ -60,6 +60,10 @@ int dpti_is_on_line(const struct proxy_tick *tick, const struct channel_line *ho
  */
 double dpti_channel_offset(const struct channel_line *host, const struct channel_line *line);
 
+/* The place from which a tip goes into a hole, and the one at which it is out. */
+double dpti_channel_mouth_place(const struct proxy_tick *tick, const struct channel *channel);
+double dpti_channel_way_out(const struct proxy_tick *tick, const struct channel *channel);
+
 /* Whether the tip is at the mouth of a hole, and points along it. */
 int dpti_is_at_mouth(const struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line);
 

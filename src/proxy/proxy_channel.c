@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "proxy/proxy_channel.h"
 
+#include "insertion/channel_points.h"
 #include "insertion/region_law.h"
 #include "proxy/channel_line.h"
 #include "proxy/patch_sides.h"
@@ -8,6 +9,7 @@
 #include "proxy/proxy_force.h"
 #include "proxy/proxy_motion.h"
 #include "proxy/proxy_put.h"
+#include "proxy/tissue_channel.h"
 #include "proxy/tool_loads.h"
 
 /* The most times that a motion which comes too near to another body is shortened: first a little, then more. */
@@ -275,7 +277,7 @@ static void push_wall(struct proxy_tick *tick, struct insertion *insertion, uint
 static void leave_channels(struct proxy_tick *tick, struct insertion *insertion)
 {
     for (uint32_t i = insertion->count; i-- > 0;)
-        if (insertion->in[i].place <= SAME_PLACE)
+        if (insertion->in[i].place <= dpti_channel_way_out(tick, channel_in(tick->world, insertion, i)) + SAME_PLACE)
             dpti_insertion_drop(insertion, i);
     if (!insertion->count)
         dpti_patches_forget(tick->world, tick->tool);
@@ -325,7 +327,7 @@ static void go_to_balance(struct proxy_tick *tick, const struct channel_line *li
     const double wanted = dpti_balance_solve(&balance, &cutting);
     const double stop = stop_of(tick, insertion, &balance, &stopping);
     for (uint32_t i = 0; i < insertion->count; i++)
-        low = min_of(low, -balance.parts[i].offset);
+        low = min_of(low, dpti_channel_way_out(tick, channel_in(tick->world, insertion, i)) - balance.parts[i].offset);
     const double goal = max_of(min_of(wanted, stop), min_of(low, stop));
     const double to = min_of(max_of(goal, from - allowed), from + allowed);
     const double place = go_along(tick, line, from, min_of(to, stop));
@@ -352,12 +354,53 @@ static void go_to_balance(struct proxy_tick *tick, const struct channel_line *li
     leave_channels(tick, insertion);
 }
 
+/*
+ * Beside bodies that give way: where the last step with tissue has led the tool. Without such a step, with the points of its
+ * channels, and then along them as beside rigid bodies.
+ */
+static void follow_tissue(struct proxy_tick *tick, double allowed, double dt)
+{
+    struct insertion *insertion = insertion_of(tick->world, tick->tool);
+    const int is_ended = tick->has_end;
+    memset(&insertion->carried, 0, sizeof insertion->carried);
+    insertion->others_work = 0.0;
+    insertion->stopped_by = 0;
+    tick->has_end = 0;
+    if (!dpti_proxy_go_with_tissue(tick, is_ended)) {
+        lose_channels(tick);
+        return;
+    }
+    dpti_tissue_channels_update(tick, allowed);
+    const struct channel_line line = dpti_channel_line(tick->world, channel_in(tick->world, insertion, 0));
+    enter_holes(tick, &line);
+    tick->device = dpti_proxy_device_in_channel(tick->tool, tick->proxy, tick->at.turn);
+    tick->proxy->lag = 0.0;
+    if (is_ended) {
+        dpti_tissue_channels_rupture(tick);
+        leave_channels(tick, insertion);
+    } else {
+        go_to_balance(tick, &line, allowed, dt);
+        dpti_tissue_channels_balanced(tick, allowed);
+    }
+    dpti_proxy_find_nearest(tick);
+    tick->proxy->owed = 0.0;
+    tick->proxy->flags |= DPT_FORCE_FLAG_INSERTED;
+}
+
 void dpti_proxy_follow_channel(struct proxy_tick *tick, double allowed, double dt)
 {
     const struct dpt_world *world = tick->world;
     struct insertion *insertion = insertion_of(world, tick->tool);
     tick->is_lost = 1;
-    if (!is_undoubted(tick) || !carry_with_host(tick)) {
+    if (!is_undoubted(tick)) {
+        lose_channels(tick);
+        return;
+    }
+    if (tick->has_end || dpti_is_inserted_in_tissue(world, tick->tool)) {
+        follow_tissue(tick, allowed, dt);
+        return;
+    }
+    if (!carry_with_host(tick)) {
         lose_channels(tick);
         return;
     }
@@ -371,6 +414,8 @@ void dpti_proxy_follow_channel(struct proxy_tick *tick, double allowed, double d
     enter_holes(tick, &line);
     tick->device = dpti_proxy_device_in_channel(tick->tool, tick->proxy, tick->at.turn);
     go_to_balance(tick, &line, allowed, dt);
+    if (world->deform_count)
+        dpti_tissue_channels_balanced(tick, allowed);
     dpti_proxy_find_nearest(tick);
     tick->proxy->owed = 0.0;
     tick->proxy->flags |= DPT_FORCE_FLAG_INSERTED;
@@ -383,34 +428,40 @@ void dpti_proxy_follow_channel(struct proxy_tick *tick, double allowed, double d
 static int is_worth_entering(struct proxy_tick *tick, const struct channel *channel, const struct channel_line *line,
                              const struct proxy_pose *mouth, double allowed, double dt, double *rest)
 {
+    const double mouth_place = dpti_channel_mouth_place(tick, channel);
     struct insertion trial = { .count = 1 };
     const struct coupling *coupling = &tick->proxy->coupling;
     const struct proxy_pose device = tick->device;
     const struct displacement now = dpti_proxy_displacement(tick->proxy, &device, &tick->at);
     double cutting;
     trial.in[0].channel = (uint32_t)(channel - tick->world->channels);
+    trial.in[0].anchor = trial.in[0].last = mouth_place;
     tick->device = dpti_proxy_device_in_channel(tick->tool, tick->proxy, mouth->turn);
     const struct displacement there = dpti_proxy_displacement(tick->proxy, &tick->device, mouth);
     const struct displacement changed = displacement_sum(&there, -1.0, &now);
     const struct balance balance = balance_of(tick, &trial, dt);
     *rest = allowed - displacement_norm(coupling, &changed);
-    const double place =
-        min_of(min_of(dpti_balance_solve(&balance, &cutting), *rest), dpti_channel_stop(channel, tick->clearance));
-    const struct proxy_pose to = dpti_pose_on_line(tick->world, tick->tool, line, max_of(place, 0.0), mouth->turn);
+    const double place = min_of(min_of(dpti_balance_solve(&balance, &cutting), mouth_place + *rest),
+                                dpti_channel_stop(channel, tick->clearance));
+    const struct proxy_pose to =
+        dpti_pose_on_line(tick->world, tick->tool, line, max_of(place, mouth_place), mouth->turn);
     const struct displacement then = dpti_proxy_displacement(tick->proxy, &tick->device, &to);
     tick->device = device;
-    return *rest > 0.0 && place > 0.0 && displacement_norm(coupling, &then) < displacement_norm(coupling, &now);
+    return *rest > 0.0 && place > mouth_place && displacement_norm(coupling, &then) < displacement_norm(coupling, &now);
 }
 
 /* Go to the mouth of a hole, and in. */
-static int enter(struct proxy_tick *tick, const struct channel *channel, double allowed, double dt)
+static int enter(struct proxy_tick *tick, struct channel *channel, double allowed, double dt)
 {
+    if (dpti_channel_body(tick->world, channel)->surface.motion && !dpti_tissue_hole_find(tick, channel))
+        return 0;
+    const double mouth_place = dpti_channel_mouth_place(tick, channel);
     const struct channel_line line = dpti_channel_line(tick->world, channel);
     if (!dpti_is_at_mouth(tick, channel, &line))
         return 0;
     const struct proxy_pose from = tick->at;
     const struct quaternion turn = dpti_turn_along(tick->world, tick->tool, &line, from.turn);
-    const struct proxy_pose mouth = dpti_pose_on_line(tick->world, tick->tool, &line, 0.0, turn);
+    const struct proxy_pose mouth = dpti_pose_on_line(tick->world, tick->tool, &line, mouth_place, turn);
     double met, rest;
     if (!is_worth_entering(tick, channel, &line, &mouth, allowed, dt, &rest))
         return 0;
@@ -419,7 +470,8 @@ static int enter(struct proxy_tick *tick, const struct channel *channel, double 
         dpti_proxy_find_nearest(tick);
         return 0;
     }
-    dpti_insertion_add(tick->world, tick->tool, channel, 0.0);
+    dpti_insertion_add(tick->world, tick->tool, channel, mouth_place);
+    tick->has_end = 0;
     dpti_patches_forget(tick->world, tick->tool);
     dpti_proxy_forget_triangles(tick->proxy, channel->body_id);
     tick->proxy->is_behind |= dpti_channel_body(tick->world, channel)->stiffness > 0.0;
@@ -434,7 +486,7 @@ int dpti_proxy_enter_channel(struct proxy_tick *tick, double allowed, double dt)
         tick->is_waiting)
         return 0;
     for (uint32_t i = 0; i < world->def.max_channels; i++) {
-        const struct channel *channel = &world->channels[i];
+        struct channel *channel = &world->channels[i];
         if (channel->body_id && world_find_tool(world, channel->tool_id) == tick->tool &&
             enter(tick, channel, allowed, dt))
             return 1;
@@ -481,7 +533,9 @@ void dpti_proxy_feel_channel(struct proxy_tick *tick)
     const double k = tick->tool->stiffness;
     const struct displacement away = dpti_proxy_displacement(proxy, &tick->device, &tick->at);
     const struct displacement pulled = dpti_proxy_pulled(&away);
-    const double yielded = host->stiffness > 0.0 ? dot(pulled.shift, line.axis) * (k / (k + host->stiffness)) : 0.0;
+    const int gives_way = dpti_is_inserted_in_tissue(world, tick->tool);
+    const double yielded =
+        host->stiffness > 0.0 && !gives_way ? dot(pulled.shift, line.axis) * (k / (k + host->stiffness)) : 0.0;
     memset(&proxy->yielded, 0, sizeof proxy->yielded);
     proxy->yielded.shift = scaled(line.axis, yielded);
     proxy->yielded_energy = 0.5 * host->stiffness * yielded * yielded + insertion->energy;

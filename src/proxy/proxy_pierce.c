@@ -26,6 +26,8 @@ static double push_of(const struct proxy_tick *tick)
     const vec3 direction = frame_turn(&tick->at.frame, dpti_tip_direction(tick->world, tick->tool));
     const struct displacement away = dpti_proxy_displacement(proxy, &tick->device, &tick->at);
     const struct displacement pulled = dpti_proxy_pulled(&away);
+    if (tick->has_ended)
+        return -tick->tool->stiffness * dot(proxy->last_pushed.shift, direction);
     return -tick->tool->stiffness * dot(sub(pulled.shift, proxy->yielded.shift), direction);
 }
 
@@ -76,11 +78,14 @@ static void begin_search(struct dpt_world *world, const struct tool *tool, const
                               &world->kernel, &world->work);
 }
 
-/* Whether a search that an earlier tick began is for a line at whose mouth the tip still is. */
+/*
+ * Whether a search that an earlier tick began is for a line at whose mouth the tip still is. A surface that deforms is
+ * another one in each tick.
+ */
 static int is_search_of(const struct proxy_tick *tick, const struct channel_search *search, const struct body *body)
 {
     const struct channel *channel = &search->channel;
-    if (!search->is_begun || channel->body_id != body->id)
+    if (!search->is_begun || channel->body_id != body->id || body->surface.motion)
         return 0;
     const struct channel_line line = dpti_channel_line(tick->world, channel);
     return dpti_is_at_mouth(tick, channel, &line);

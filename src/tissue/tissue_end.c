@@ -98,7 +98,8 @@ static void note_end(const struct tissue_solve *solve, struct tissue_tool *from,
     from->last_end = proxy->end;
     from->last_end_motion = proxy->end_motion;
     from->is_pushed = dot(push, push) > 0.0;
-    from->is_held = from->is_pushed && length(felt.turn) + fabs(felt.spin) < TURN_MAX;
+    from->is_held =
+        from->is_pushed && (length(felt.turn) + fabs(felt.spin) < TURN_MAX || tool_is_inserted(solve->world, tool));
     const struct proxy_pose last = dpti_proxy_pose_of(proxy, &proxy->end);
     struct proxy_pose end = dpti_proxy_moved(proxy, &from->at, &way);
     hold_twist(solve, from, &last, &end, &way);
@@ -177,7 +178,7 @@ static double gather_at(struct tissue_solve *solve, struct dpt_world *world, con
     solve->room.count = 0;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         search.body = &world->bodies[i];
-        if (body_is_there(search.body))
+        if (body_is_there(search.body) && !(world->channels && dpti_is_inserted_in(world, tool, search.body->id)))
             dpti_touches_gather(&search, &solve->room);
     }
     for (uint32_t i = 0; i < solve->room.count; i++)
@@ -293,8 +294,11 @@ int dpti_tissue_ways_are_free(struct tissue_solve *solve, struct dpt_world *worl
     for (uint32_t t = 0; t < solve->tool_count; t++)
         for (uint32_t b = 0; b < solve->body_count; b++) {
             const struct body *body = solve->bodies[b].body;
+            const struct tool *tool = &world->tools[solve->tools[t].slot];
+            if (world->channels && dpti_is_inserted_in(world, tool, body->id))
+                continue;
             if (solve->tools[t].is_pushed && surface_has_moved(&body->surface, coming) &&
-                !tool_is_free(solve, world, &world->tools[solve->tools[t].slot], body))
+                !tool_is_free(solve, world, tool, body))
                 return 0;
         }
     return 1;

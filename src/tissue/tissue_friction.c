@@ -74,16 +74,6 @@ static int add_rub(struct tissue_solve *solve, uint32_t index)
     return 1;
 }
 
-/* What a force along a row does to its tool and nodes. */
-static void add_known(struct tissue_solve *solve, const struct tissue_row *row, double force)
-{
-    const struct tissue_link *link = &solve->links[row->touch];
-    struct tissue_tool *tool = &solve->tools[link->tool];
-    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
-        tool->known[k] += force * row->lever[k] / tool->stiffness;
-    dpti_tissue_add_answer(solve, link, -force, row->within);
-}
-
 void dpti_rubs_set_known(struct tissue_solve *solve)
 {
     const vec3 none = { 0.0, 0.0, 0.0 };
@@ -94,7 +84,7 @@ void dpti_rubs_set_known(struct tissue_solve *solve)
     for (uint32_t r = 0; r < solve->rub_count; r++)
         for (uint32_t d = 0; d < 2; d++)
             if (solve->rubs[r].state == RUB_SLIPS)
-                add_known(solve, &solve->rows[solve->rubs[r].row + d], solve->rubs[r].pull[d]);
+                dpti_tissue_add_known(solve, &solve->rows[solve->rubs[r].row + d], solve->rubs[r].pull[d]);
     dpti_twists_set_known(solve);
 }
 

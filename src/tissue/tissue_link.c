@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "tissue/tissue_shaft.h"
 #include "tissue/tissue_spread.h"
 #include "track/deform_state.h"
 #include "track/tool_parts.h"
@@ -165,6 +166,21 @@ static void add_spread(struct linking *linking, const struct surface *surface, c
     add_corners(linking, surface, touch);
 }
 
+/* The points of a channel that a touch of its shaft loads. */
+static void add_points(struct linking *linking, const struct surface *surface, const struct touch *touch)
+{
+    const struct channel *channel = linking->solve->shafts[shaft_of_touch(touch)].channel;
+    for (uint32_t i = 0; i < channel->point_count; i++) {
+        const struct channel_point *point = &channel->points[i];
+        const double share = shaft_share(linking->solve, touch, i);
+        for (uint32_t h = 0; share > 0.0 && h < point->hit_count; h++)
+            for (uint32_t k = 0; k < 3; k++)
+                if (point->hits[h].weight[k] != 0.0)
+                    add_corner(linking, surface_corner(surface, point->hits[h].triangle, k),
+                               share * point->hits[h].weight[k]);
+    }
+}
+
 /* Returns 0 if there is no room for the nodes that the touch loads. */
 static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
 {
@@ -177,7 +193,8 @@ static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
                                   .tool = tool_of(solve, touch->tool_slot),
                                   .node = solve->weighted + solve->weight_count,
                                   .weight = solve->weight + solve->weight_count };
-    set_yield(solve, link, touch);
+    if (!touch->shaft)
+        set_yield(solve, link, touch);
     *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
     memcpy(row->lever, touch->row, sizeof row->lever);
     solve->push[i] = (vec3){ 0.0, 0.0, 0.0 };
@@ -185,7 +202,9 @@ static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
         return 1;
     const struct body *body = solve->bodies[link->body].body;
     row->within = frame_turn_back(&body->frame, touch->normal);
-    if (deform_of(body)->def.load_radius > 0.0)
+    if (touch->shaft)
+        add_points(&linking, &body->surface, touch);
+    else if (deform_of(body)->def.load_radius > 0.0)
         add_spread(&linking, &body->surface, touch, may_be_narrow);
     else
         add_corners(&linking, &body->surface, touch);
@@ -296,6 +315,15 @@ void dpti_tissue_add_answer(struct tissue_solve *solve, const struct tissue_link
         for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
             other->answer = along(other->answer, force * link->weight[k] * response, within);
     }
+}
+
+void dpti_tissue_add_known(struct tissue_solve *solve, const struct tissue_row *row, double force)
+{
+    const struct tissue_link *link = &solve->links[row->touch];
+    struct tissue_tool *tool = &solve->tools[link->tool];
+    for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
+        tool->known[k] += force * row->lever[k] / tool->stiffness;
+    dpti_tissue_add_answer(solve, link, -force, row->within);
 }
 
 void dpti_tissue_answer(struct tissue_solve *solve)

@@ -21,6 +21,9 @@ double dpti_tissue_compliance(struct tissue_solve *solve, const struct tissue_li
 /* The answers of nodes to a force on a touch, N, along a unit vector in the body's frame, are added. */
 void dpti_tissue_add_answer(struct tissue_solve *solve, const struct tissue_link *link, double force, vec3 within);
 
+/* What a force along a row that is known, N, does to its tool and nodes is added. */
+void dpti_tissue_add_known(struct tissue_solve *solve, const struct tissue_row *row, double force);
+
 /* How far the loads of all nodes move them: their answers. */
 void dpti_tissue_answer(struct tissue_solve *solve);
 

@@ -6,6 +6,7 @@
 #include "proxy/proxy.h"
 #include "tissue/tissue_friction.h"
 #include "tissue/tissue_link.h"
+#include "tissue/tissue_shaft.h"
 #include "tissue/tissue_twist.h"
 
 /* m: a gap of no less than minus that counts as met. */
@@ -127,6 +128,8 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
             sum += dpti_tissue_yield(solve, i, index);
         column[i] = sum;
     }
+    if (index >= first)
+        column[index] += row->compliance;
     work_spend(&solve->work, products / LANES + 1);
     dpti_tissue_clear_spread(solve, link);
 }
@@ -159,10 +162,11 @@ static void set_gaps_of_touches(struct tissue_solve *solve)
         const struct tissue_link *link = &solve->links[i];
         const struct tissue_tool *tool = &solve->tools[link->tool];
         const double moved = felt_gap(solve, i) - dot(row->within, point_moved(solve, link, 0));
-        const double now = moved + lever_product(row->lever, tool->end) + link->yielded;
+        const double now =
+            solve->touches.touch[i].shaft ? 0.0 : moved + lever_product(row->lever, tool->end) + link->yielded;
         solve->free_gap[i] = moved + lever_product(row->lever, tool->known) -
                              dot(row->within, point_moved(solve, link, 1)) - (1.0 - RECOVERED) * min_of(now, 0.0);
-        solve->kind[i] = COMPLEMENTARITY_CONSTRAINT;
+        solve->kind[i] = solve->touches.touch[i].shaft ? COMPLEMENTARITY_WATCHED : COMPLEMENTARITY_CONSTRAINT;
     }
 }
 
@@ -218,6 +222,7 @@ static void begin_problem(struct tissue_solve *solve)
     dpti_rubs_begin(solve);
     if (!solve->is_begun) {
         problem->active_count = 0;
+        dpti_shafts_add_rows(solve);
         take_held(solve);
         dpti_twists_add(solve);
     }
@@ -247,9 +252,11 @@ static void solve_pass(struct tissue_solve *solve)
     struct complementarity *problem = &solve->problem;
     problem->count = solve->row_count;
     dpti_rubs_set_known(solve);
+    dpti_shafts_set_known(solve);
     set_gaps_of_touches(solve);
     set_gaps_of_rubs(solve);
     dpti_twists_set_gaps(solve);
+    dpti_shafts_set_gaps(solve);
     if (dpti_complementarity_solve(problem) != COMPLEMENTARITY_SOLVED)
         solve->is_full = 1;
     memset(solve->multiplier, 0, problem->count * sizeof *solve->multiplier);
@@ -260,6 +267,7 @@ static void solve_pass(struct tissue_solve *solve)
 /* Pulls of what slips join the multipliers. */
 static void take_pulls(struct tissue_solve *solve)
 {
+    dpti_shafts_take_pulls(solve);
     for (uint32_t r = 0; r < solve->rub_count; r++)
         for (uint32_t d = 0; d < 2; d++)
             if (solve->rubs[r].state == RUB_SLIPS)
@@ -327,7 +335,9 @@ double dpti_tissue_solve(struct tissue_solve *solve)
         if (is_last || pass == PASSES)
             break;
         is_last = work_is_spent(&solve->work);
-        if (!dpti_rubs_update(solve, pass < PASSES_STICKING && !is_last))
+        const int may_stick = pass < PASSES_STICKING && !is_last;
+        const int have_shafts_changed = dpti_shafts_update(solve, may_stick);
+        if (!dpti_rubs_update(solve, may_stick) && !have_shafts_changed)
             break;
         solve->is_full |= (uint32_t)is_last;
     }
@@ -376,7 +386,9 @@ static void move_tools(struct tissue_solve *solve, double share)
 int dpti_tissue_substep(struct tissue_solve *solve)
 {
     int is_done = 1;
-    move_tools(solve, 1.0 / (double)solve->bodies[0].step.info.substeps);
+    const double share = 1.0 / (double)solve->bodies[0].step.info.substeps;
+    move_tools(solve, share);
+    dpti_shafts_end_substep(solve, share);
     for (uint32_t i = 0; i < solve->node_count; i++)
         dpti_loaded_step_add(&solve->bodies[solve->nodes[i].body].step, solve->nodes[i].node, solve->nodes[i].load);
     for (uint32_t b = 0; b < solve->body_count; b++)

@@ -7,6 +7,7 @@
 
 #include "deform/loaded_step.h"
 #include "force/complementarity.h"
+#include "insertion/world_channels.h"
 #include "tissue/touches.h"
 
 enum {
@@ -16,6 +17,8 @@ enum {
     TISSUE_BODIES_MAX = 16,
     TISSUE_TOOLS_MAX = 16,
     TISSUE_RUBS_MAX = 64,
+    TISSUE_SHAFTS_MAX = 16,
+    TISSUE_ROWS = COMPLEMENTARITY_MAX - 2 * TISSUE_RUBS_MAX - TISSUE_TOOLS_MAX, /* of touches and shafts */
     TWIST_NODES = 12
 };
 
@@ -118,6 +121,7 @@ struct tissue_row {
     vec3 along;                     /* unit, in the world */
     vec3 within;                    /* the same, in the body's frame */
     double lever[TOUCH_DIMENSIONS]; /* how the tool moves along it with its unknowns */
+    double compliance;              /* m/N: of bristles between the two */
 };
 
 /* The friction of a touch that pushes: its rows are two tangents. */
@@ -131,6 +135,34 @@ struct tissue_rub {
     double carried[2];    /* m: how far the surface was moved along the tangents since the last step, by others */
     double pull[2];       /* N, along them: of one that slips it is known */
     double twist;         /* N: of the twist about its normal, if it was there in the last step, and slipped */
+};
+
+/*
+ * A shaft in one of its channels: tissue_shaft.h. Forces on the tool are positive against going in. Rows are 0 where there is
+ * none.
+ */
+struct tissue_shaft {
+    uint32_t tool;   /* of the solve */
+    uint32_t number; /* in the tool's insertion */
+    struct channel *channel;
+    uint32_t channel_id;
+    uint32_t point_count; /* of those that hold it */
+    const struct body *body;
+    vec3 axis;                               /* of the tool at its proxy, in the world */
+    double across[CHANNEL_POINTS_MAX];       /* N/m */
+    vec3 offset[CHANNEL_POINTS_MAX];         /* as a point's, in the world */
+    uint32_t across_row[CHANNEL_POINTS_MAX]; /* the first of two */
+    uint32_t friction_row, drag_row, stop_row, cut_row;
+    double stiffness, stretch_max, limit; /* N/m, m, N: of the bristles along */
+    double drag;                          /* Ns/m */
+    double cutting;                       /* N */
+    double place, wall, stop, uncut;      /* of the tip at the proxy, and where it is stopped, and begins to cut */
+    double shared, mean, rest; /* as of struct inserted; where the tip is at the proxy, by the mean of points */
+    double stretch;            /* m: in the last substep */
+    double gone;               /* m: by which the tip has gone on in the step so far, as drag has it */
+    double pull;               /* N, while it slips */
+    double felt_friction, felt_cut, felt_stop; /* N: in the mean of the substeps */
+    uint32_t is_slipping, is_cutting, has_slipped, is_paced;
 };
 
 /* A touch that held at the end of a step: by what it is known again in the next one, and how it rubbed. */
@@ -153,7 +185,8 @@ struct tissue_solve {
     uint32_t tool_count;
     uint32_t node_count;
     uint32_t rub_count;
-    uint32_t row_count;  /* of all touches, then two of each rub and one of each twist, as they come */
+    uint32_t shaft_count;
+    uint32_t row_count;  /* of all touches, then of shafts, then two of each rub and one of each twist */
     uint32_t is_begun;   /* 1: there was a substep since touches were linked */
     uint32_t is_touched; /* 1: a tool's proxy does not reach its device in this tick */
     uint32_t tick;       /* the world's, in which its answer was told */
@@ -172,6 +205,7 @@ struct tissue_solve {
     uint16_t weighted[TISSUE_WEIGHTS_MAX];
     double weight[TISSUE_WEIGHTS_MAX];
     struct tissue_rub rubs[TISSUE_RUBS_MAX];
+    struct tissue_shaft shafts[TISSUE_SHAFTS_MAX];
     struct tissue_row rows[COMPLEMENTARITY_MAX];
     uint8_t kind[COMPLEMENTARITY_MAX]; /* of the rows, for the solver */
     uint32_t table[TISSUE_TABLE];      /* one more than a node's number; 0: none */

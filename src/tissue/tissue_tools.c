@@ -5,6 +5,7 @@
 
 #include "proxy/proxy.h"
 #include "proxy/tool_loads.h"
+#include "tissue/tissue_shaft.h"
 #include "tissue/tissue_solve.h"
 #include "tissue/tissue_spread.h"
 #include "track/tool_parts.h"
@@ -61,7 +62,8 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
         const struct tissue_body *solved = solved_body(solve, search->body);
         search->springs = solved ? solved->step.springs : NULL;
         search->ahead = search->springs ? ahead_of(solve, solved) : 0.0;
-        if (body_is_there(search->body) && !is_solved == !solved)
+        if (body_is_there(search->body) && !is_solved == !solved &&
+            !(world->channels && dpti_is_inserted_in(world, search->tool, search->body->id)))
             dpti_touches_gather(search, &solve->touches);
     }
 }
@@ -105,7 +107,7 @@ static double motion_of(const struct tool *tool, const struct proxy *proxy)
 
 static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach)
 {
-    const uint32_t first = solve->touches.count;
+    const uint32_t first = solve->touches.count, shafts = solve->shaft_count;
     const struct proxy *proxy = proxy_of(world, tool);
     struct tissue_tool *made = &solve->tools[solve->tool_count];
     struct touch_search search = { .world = world,
@@ -120,11 +122,17 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
                                   .proxy = proxy,
                                   .at = dpti_proxy_pose_of(proxy, &proxy->pose) };
     dpti_proxy_turn_axes(proxy, &made->at, made->axes);
+    /* In what is not stepped here they count where something is: they come first, as all must have room. */
+    dpti_shafts_gather(solve, &search, 0);
+    const uint32_t stepped = solve->touches.count;
+    dpti_shafts_gather(solve, &search, 1);
     gather_from(solve, &search, 1);
-    if (solve->touches.count > first)
-        gather_from(solve, &search, 0);
-    if (solve->touches.count == first)
+    if (solve->touches.count == stepped) {
+        solve->touches.count = first;
+        solve->shaft_count = shafts;
         return;
+    }
+    gather_from(solve, &search, 0);
     unknowns_of(made, &tool->pose, made->device);
     unknowns_of(made, &proxy->end, made->begin);
     memcpy(made->end, made->begin, sizeof made->end);
@@ -134,7 +142,7 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
 
 void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach)
 {
-    solve->touches.count = solve->touches.is_full = solve->tool_count = solve->vertices.count = 0;
+    solve->touches.count = solve->touches.is_full = solve->tool_count = solve->vertices.count = solve->shaft_count = 0;
     solve->world = world;
     solve->is_touched = 0;
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
@@ -201,7 +209,7 @@ static void note_felt(const struct tissue_solve *solve, const struct tissue_tool
     tool->force_flags &= ~(uint32_t)(DPT_FORCE_FLAG_APART | DPT_FORCE_FLAG_CROWDED);
     tool->force_flags |= apart > allowed ? DPT_FORCE_FLAG_APART : 0u;
     tool->force_flags |= solve->is_full || solve->touches.is_full ? DPT_FORCE_FLAG_CROWDED : 0u;
-    proxy->stored = stored_by(solve, from);
+    proxy->stored = stored_by(solve, from) + dpti_shafts_stored(solve, from);
     tool->energy = coupling_energy(&proxy->coupling, &felt) + proxy->stored;
     tool->body_work = proxy->body_work = work_of_bodies(tool, proxy, &felt) + proxy->stored - proxy->last_stored;
     proxy->felt = felt;
@@ -251,7 +259,8 @@ static void set_wrench(const struct tissue_solve *solve, struct dpt_world *world
         const vec3 push = solve->push[i];
         if (touch->tool_slot != from->slot || !(dot(push, push) > 0.0))
             continue;
-        dpti_proxy_remember(proxy, touch->part, touch->body_id, touch->triangle);
+        if (!touch->shaft)
+            dpti_proxy_remember(proxy, touch->part, touch->body_id, touch->triangle);
         force = add(force, push);
         const struct tool_push noted = { .part = touch->part,
                                          .body_id = touch->body_id,
@@ -301,12 +310,13 @@ void dpti_tissue_tell(struct tissue_solve *solve, struct dpt_world *world)
         note_rubs(&solve->tools[t], proxy_of(world, tool), (int)solve->tools[t].is_held);
     }
     dpti_spread_note(solve);
+    dpti_shafts_tell(solve, world);
     note_repeats(solve, world);
 }
 
 int dpti_tissue_rests(const struct tissue_solve *solve, const struct dpt_world *world)
 {
-    if (solve->repeats < REPEATS || !world_was_last_tick(world, solve->tick) ||
+    if (solve->repeats < REPEATS || !dpti_shafts_are_there(solve, world) || !world_was_last_tick(world, solve->tick) ||
         world->bodies_moved_tick == world->ticks)
         return 0;
     for (uint32_t b = 0; b < solve->body_count; b++)

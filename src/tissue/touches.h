@@ -14,6 +14,9 @@
 
 enum { TOUCHES_MAX = 256, TOUCH_DIMENSIONS = 6 };
 
+/* A feature of a touch of a shaft: this, and its number. */
+#define TOUCH_OF_SHAFT 0x40000000u
+
 struct touch {
     uint32_t tool_slot;
     uint32_t part; /* of the tool: tool_parts.h */
@@ -21,6 +24,7 @@ struct touch {
     uint32_t triangle;            /* place; of a touch of vertices one of theirs */
     uint32_t feature;             /* of the pair: nearest/pair_features.h, of a tip hull/hull_triangle.h */
     uint32_t vertices;            /* the first of its vertices in the list, plus 1; 0: it is a pair's */
+    uint32_t shaft;               /* of a shaft in its channel: tissue_shaft.h; 0: it is none */
     uint32_t name;                /* of a touch of vertices: with its feature it is the same from step to step */
     vec3 at;                      /* the point on the surface, in the world; of vertices their mean, as is all below */
     vec3 normal;                  /* unit, in the world, towards the tool */

@@ -121,8 +121,6 @@ dpt_result dpt_body_add_deformable(dpt_world *world, void *block, size_t bytes, 
     struct frame frame;
     if (!world || !block || !body)
         return DPT_E_ARGUMENT;
-    if (world->channels)
-        return DPT_E_UNSUPPORTED;
     DPT_TRY(read_def(given, &def));
     DPT_TRY(frame_of_pose(def.pose, &frame));
     if ((uintptr_t)block % 8)
