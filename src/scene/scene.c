@@ -145,15 +145,14 @@ static dpt_result check_law(const struct scene *scene, const struct scene_def *d
     return DPT_OK;
 }
 
-/* Needles go through rigid bodies, in scenes where nothing gives way. */
+/* Needles are thick, and go through bodies that are pushed by loads. */
 static dpt_result check_needle(const struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
-    const int has_needle = def->piercing || scene_bodies_channels(&scene->bodies);
-    for (uint32_t i = 0; i < scene->bodies.count && has_needle; i++)
-        if (scene_body_is_soft(&scene->bodies.body[i]))
+    for (uint32_t i = 0; i < scene->bodies.count && scene_bodies_channels(&scene->bodies); i++)
+        if (scene_body_is_soft(&scene->bodies.body[i]) && scene->bodies.body[i].response == DPT_RESPONSE_DISPLACE)
             return host_refuse(error, DPT_E_UNSUPPORTED,
-                               "%s: bodies[%u] gives way: needles pierce rigid bodies, in scenes of such alone",
-                               def->path, (unsigned)i);
+                               "%s: bodies[%u] is displaced: needles pierce bodies that are pushed by loads", def->path,
+                               (unsigned)i);
     if (def->piercing && !(def->radius > 0.0 && def->length > 0.0) && !(def->file && def->file->segment_count))
         return host_refuse(error, DPT_E_ARGUMENT, "%s: a needle has a length and a radius above 0", def->path);
     return DPT_OK;

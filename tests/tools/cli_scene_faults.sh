@@ -207,9 +207,9 @@ in_scene 'tool.piercing: is for a stylus or one segment, without tips' \
 { "a": [0,0,0], "b": [0.1,0,0], "radius": 0.001 } ] }'
 in_scene 'a tool pierces by the law proxy alone (tool.law, --law)' '"tool": { "piercing": "a", "law": "bed" }'
 in_scene 'a needle has a length and a radius above 0' '"tool": { "piercing": "a", "radius": 0 }'
-wrong ': bodies[1] gives way: needles pierce rigid bodies, in scenes of such alone' \
-    "{ \"bodies\": [ { \"shape\": \"box\", \"surface\": { \"puncture_force\": 1 } },
-{ $square, \"material\": { \"kind\": \"sheet\" } } ] }"
+wrong ': bodies[0] is displaced: needles pierce bodies that are pushed by loads' \
+    "{ \"bodies\": [ { $square, \"material\": { \"kind\": \"sheet\" }, \"physics\": { \"response\": \"displace\" },
+\"surface\": { \"puncture_force\": 1 } } ], \"tool\": { \"law\": \"bed\" } }"
 
 # --- Tool.
 in_scene 'tool: must be an object; it is a text' '"tool": "stylus"'

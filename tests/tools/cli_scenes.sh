@@ -3,7 +3,7 @@
 # dynpoint run: the scenes by name are felt, recorded and replayed. `sh tests/tools/cli_scenes.sh BUILD [part]`.
 . "$(dirname "$0")/cli.sh"
 
-scenes='membrane cloth laparoscopy liver soft-liver needle tori'
+scenes='membrane cloth laparoscopy liver soft-liver needle biopsy tori'
 [ ! "$is_part" ] || scenes='liver membrane'
 for scene in $scenes; do
     succeeds "run $scene" run $scene --device 'sim:?hand=press' --for 2 --record $scene.dpr --json
