@@ -228,7 +228,7 @@ check-release: ## that, and what takes long for what it can find: before a relea
 check-planted: all test-programs ## twelve faults are planted, one after the other, and a test must find each; check-release does it too
 	@sh tests/planted.sh $(B)
 
-SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak needle_soak proxy_side certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
+SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak needle_soak needle_soft needle_soft_life needle_soft_soak proxy_side certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
 soak: all $(SOAKED:%=$(B)/tests/test_%) $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull $(B)/tests/vm/test_can_pull ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force
 	@$(B)/tests/test_certificate 672000
 	@$(B)/tests/test_budget 8000
@@ -259,6 +259,9 @@ soak: all $(SOAKED:%=$(B)/tests/test_%) $(SAFE_DEVICE) $(B)/tests/firmware/link 
 	@$(B)/tests/test_loop 60000
 	@$(B)/tests/test_proxy_soak 10000000
 	@$(B)/tests/test_needle_soak 10000000
+	@$(B)/tests/test_needle_soft_soak 1000000
+	@$(B)/tests/test_needle_soft
+	@$(B)/tests/test_needle_soft_life
 	@$(B)/tests/test_proxy_side 10000000
 	@$(B)/tests/test_surface_motion 5000
 	@$(B)/tests/test_deform 8400

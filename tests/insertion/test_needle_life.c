@@ -458,7 +458,9 @@ static void what_is_refused(void)
     const size_t bytes = dpt_deformable_bytes(&soft);
     void *block = malloc(bytes);
     dpt_body body;
-    CHECK(block && dpt_body_add_deformable(rig->world, block, bytes, &soft, &body) == DPT_E_UNSUPPORTED, "a soft body");
+    CHECK(block && dpt_body_add_deformable(rig->world, block, bytes, &soft, &body) == DPT_OK, "a soft body");
+    CHECK(dpt_body_set_settings(rig->world, body, &gel) == DPT_E_UNSUPPORTED, "neither springs nor a compliance");
+    CHECK(dpt_body_remove(rig->world, body) == DPT_OK, "not removed");
     free(block);
     double *const numbers[] = { &gel.puncture_force, &gel.toughness,       &gel.cutting_force,
                                 &gel.shaft_friction, &gel.shaft_viscosity, &gel.shaft_stiffness };

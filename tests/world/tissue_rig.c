@@ -19,11 +19,12 @@ void tissue_rig_open(struct tissue_rig *tissue)
     tissue_rig_open_within(tissue, 0);
 }
 
-static void open_world(struct tissue_rig *tissue, uint32_t budget, uint32_t kernel)
+static void open_world(struct tissue_rig *tissue, uint32_t budget, uint32_t kernel, uint32_t channels)
 {
     dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = budget;
     def.kernel = kernel;
+    def.max_channels = channels;
     memset(tissue, 0, sizeof *tissue);
     tissue->kernel = kernel;
     rig_open(&tissue->rig, &def, NULL, NULL, 0);
@@ -31,12 +32,17 @@ static void open_world(struct tissue_rig *tissue, uint32_t budget, uint32_t kern
 
 void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget)
 {
-    open_world(tissue, budget, DPT_KERNEL_AUTO);
+    open_world(tissue, budget, DPT_KERNEL_AUTO, 0);
+}
+
+void tissue_rig_open_pierced(struct tissue_rig *tissue, uint32_t channels, uint32_t budget, uint32_t kernel)
+{
+    open_world(tissue, budget, kernel, channels);
 }
 
 void tissue_rig_open_on(struct tissue_rig *tissue, uint32_t kernel)
 {
-    open_world(tissue, 0, kernel);
+    open_world(tissue, 0, kernel, 0);
 }
 
 struct tissue_tool *tissue_rig_open_rod(struct tissue_rig *tissue, double stiffness, double lean, double radius)
@@ -165,6 +171,11 @@ struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct 
     body->integrator = def->integrator;
     body->load_radius = def->load_radius;
     return body->id && body->springs ? body : NULL;
+}
+
+struct tissue_body *tissue_rig_add_mesh(struct tissue_rig *tissue, const struct tissue_def *def)
+{
+    return add_mesh(tissue, def);
 }
 
 struct tissue_body *tissue_rig_add_rigid(struct tissue_rig *tissue, const struct tissue_def *def)

@@ -93,6 +93,7 @@ struct tissue_rig {
 void tissue_rig_open(struct tissue_rig *tissue);
 void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget);
 void tissue_rig_open_on(struct tissue_rig *tissue, uint32_t kernel);
+void tissue_rig_open_pierced(struct tissue_rig *tissue, uint32_t channels, uint32_t budget, uint32_t kernel);
 void tissue_rig_close(struct tissue_rig *tissue);
 
 /* Opened with a tool, which it returns: a rod of 60 mm that leans, 0 is upright on its tip, pi / 2 lies across. */
@@ -107,6 +108,8 @@ struct tissue_def tissue_asleep(uint32_t kind, uint32_t integrator);
 
 /* Returns NULL after a failed check. A soft body cannot go farther than 1 m from its place along each axis. */
 struct tissue_body *tissue_rig_add_soft(struct tissue_rig *tissue, const struct tissue_def *def);
+/* A mesh alone, of which you make a body. */
+struct tissue_body *tissue_rig_add_mesh(struct tissue_rig *tissue, const struct tissue_def *def);
 struct tissue_body *tissue_rig_add_rigid(struct tissue_rig *tissue, const struct tissue_def *def);
 struct tissue_tool *tissue_rig_add_tool(struct tissue_rig *tissue, const dpt_segment *segment, double stiffness);
 
