@@ -3,7 +3,7 @@
 import re
 import sys
 from ctypes import (CDLL, CFUNCTYPE, POINTER, Structure, addressof, byref, c_char, c_char_p, c_double, c_float, c_int32,
-                    c_size_t, c_uint32, c_uint64, c_void_p, sizeof)
+                    c_size_t, c_uint8, c_uint32, c_uint64, c_void_p, sizeof)
 from math import cos, sin
 from os.path import exists
 
