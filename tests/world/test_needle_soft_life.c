@@ -6,7 +6,10 @@
  *     test_needle_soft_life [PER CENT = 100]
  */
 #include "dynpoint/passivity.h"
+#include "dynpoint/snapshot.h"
 #include "world/soft_needle.h"
+
+#include <stdlib.h>
 
 #define STIFFNESS 500.0
 
@@ -242,6 +245,23 @@ static void nothing_gives_energy(void)
 }
 
 /* A scene that begins with the needle in. */
+static void check_snapshot(const struct soft_needle *needle)
+{
+    const struct dpt_world *world = needle->tissue.rig.world;
+    const size_t room = dpt_snapshot_bytes(world, NULL);
+    const dpt_channel channel = soft_needle_channel(needle);
+    dpt_snapshot_channel read = { .size = sizeof read };
+    size_t bytes = 0;
+    void *block = malloc(room);
+    CHECK(block && dpt_world_take_snapshot(world, NULL, block, room, &bytes) == DPT_OK, "a snapshot");
+    CHECK(block && dpt_snapshot_get_channel(block, bytes, 0, &read) == DPT_OK && read.id == channel.id &&
+              read.ruptures == channel.ruptures && read.layers == 1 && read.depth == channel.depth &&
+              read.inside == channel.inside && read.friction == channel.friction && read.tip == channel.tip &&
+              !memcmp(read.entry, channel.entry, sizeof read.entry),
+          "channel %u in the snapshot, %g m in", read.id, read.depth);
+    free(block);
+}
+
 static void it_can_be_put_in(void)
 {
     const struct tissue_def def = soft_needle_liver(DPT_INTEGRATOR_SYMPLECTIC);
@@ -260,6 +280,7 @@ static void it_can_be_put_in(void)
     CHECK(length3(needle.tool->force.wrench.force) < 1e-3, "%g N", length3(needle.tool->force.wrench.force));
     soft_needle_go(&needle, 0.035);
     CHECK(axial(&needle) > 0.3, "%g N", axial(&needle));
+    check_snapshot(&needle);
     soft_needle_close(&needle);
 }
 
