@@ -121,7 +121,9 @@ fi
 # by the bits of all answers.
 cxx=${CXX:-g++}
 if command -v "$cxx" >/dev/null 2>&1; then
-    try "$cxx -x c++ -O2" "$cxx" -x c++ -std=c++17 -O2 -Wall
+    optimize=-O2
+    [ "$compilers" != two ] || optimize=-O1 # compiled sooner, and as good a witness of what C++ makes of the types
+    try "$cxx -x c++ $optimize" "$cxx" -x c++ -std=c++17 $optimize -Wall
     for dialect in gnu++11 c++20; do
         "$cxx" -x c++ -std=$dialect -Wall -Wextra -Werror -fsyntax-only dynpoint.c &&
             "$cxx" -x c++ -std=$dialect -Wall -Wextra -Werror -fsyntax-only dynpoint_compile.c
