@@ -69,7 +69,7 @@ typedef struct dpt_body_region {
  *                 is used where it is, and must stay unchanged as long as the body, or until other regions are set
  *   triangles     dpt_mesh_info.source_triangles
  *   regions       are copied. NULL if count is 0
- *   count         0: the body has none any more
+ *   count         0: the body has none any more, and of_triangle is not used
  *
  * DPT_E_UNSUPPORTED: the world has no room for channels, or the body gives way. DPT_E_LIMIT: more than DPT_BODY_REGIONS_MAX.
  * DPT_E_INDEX: a triangle is of a region that is not there. DPT_E_ARGUMENT: another number of triangles, or a number out

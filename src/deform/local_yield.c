@@ -142,25 +142,25 @@ double dpti_yield_compliance(const struct local_yield *yield, uint32_t vertex)
     return yield->part * whole_compliance(yield, vertex);
 }
 
-/* As far as they say: what its loads would do, and what their change does. J. Returns 0 where that says nothing. */
-static int has_changed(const struct local_yield *yield, double *change)
+/* Whether the change of the loads does as much, as far as the body says, as to say anything. */
+static int has_changed(const struct local_yield *yield)
 {
-    double all = 0.0;
-    *change = 0.0;
+    double all = 0.0, change = 0.0;
     for (uint32_t i = 0; i < yield->count; i++) {
         const struct yielding_vertex *of = &yield->list[i];
         const vec3 grown = sub(of->answered, of->bound);
         all += whole_compliance(yield, of->vertex) * dot(of->answered, of->answered);
-        *change += whole_compliance(yield, of->vertex) * dot(grown, grown);
+        change += whole_compliance(yield, of->vertex) * dot(grown, grown);
     }
-    return !(*change < CHANGE_MIN * CHANGE_MIN * all);
+    return !(change < CHANGE_MIN * CHANGE_MIN * all);
 }
 
 /*
- * How far vertices go, compared with what the change of their loads should do. Their motion is right for it, or more than
- * that, as it holds what goes on by itself: so it bounds a body that says too much. The change of their motion is little where all
- * goes smoothly, and right, or up to twice or half of that, where loads swing with the steps of physics: so it finds a body
- * that says too little, and that swings for it. Where their motion was foreseen, what is beyond that is right.
+ * How far vertices go, compared with what the change of their loads should do; 1: nothing is known of that. Their motion is
+ * right for it, or more than that, as it holds what goes on by itself: so it bounds a body that says too much. The change of
+ * their motion is little where all goes smoothly, and right, or up to twice or half of that, where loads swing with the steps
+ * of physics: so it finds a body that says too little, and that swings for it. Where their motion was foreseen, what is
+ * beyond that is right.
  */
 static double stretch_of(struct local_yield *yield)
 {
@@ -169,9 +169,12 @@ static double stretch_of(struct local_yield *yield)
         const struct yielding_vertex *of = &yield->list[i];
         const vec3 grown = sub(of->answered, of->bound), target = vec3_of_float(yield->target + 3 * (size_t)of->vertex);
         const vec3 moved = yield->is_foreseen ? sub(of->reached, of->foreseen) : sub(target, of->last[0]);
+        sums[0] += whole_compliance(yield, of->vertex) * dot(grown, grown);
         sums[1] += dot(grown, moved);
         sums[2] += dot(grown, sub(moved, sub(of->last[0], of->last[1])));
     }
+    if (!(sums[0] > 0.0))
+        return 1.0;
     if (yield->is_foreseen)
         return FORESEEN_EXCESS * sums[1] / sums[0];
     const double most = sums[1] > 0.0 ? min_of(2.0 * sums[1] / sums[0], 1.0) : 1.0;
@@ -181,17 +184,14 @@ static double stretch_of(struct local_yield *yield)
 static void find_stretch(struct local_yield *yield)
 {
     const double stretch = yield->stretch;
-    double change;
     yield->stretch = 1.0;
-    if (!has_changed(yield, &change)) {
+    if (!has_changed(yield)) {
         yield->stretch = stretch;
         return;
     }
     for (int k = 0; k < 3; k++)
         yield->answers[k] *= ANSWERS_KEPT;
-    yield->answers[0] += change;
-    if (yield->answers[0] > 0.0)
-        yield->stretch = min_of(max_of(stretch_of(yield), STRETCH_MIN), STRETCH_MAX);
+    yield->stretch = min_of(max_of(stretch_of(yield), STRETCH_MIN), STRETCH_MAX);
 }
 
 /* What has given way is in the way to where physics foresees it. */

@@ -31,16 +31,24 @@ static double push_of(const struct proxy_tick *tick)
     return -tick->tool->stiffness * dot(sub(pulled.shift, proxy->yielded.shift), direction);
 }
 
-/* The triangle that the tip touches, by its place, or DPT_NONE. */
-static uint32_t touched_by(struct dpt_world *world, const struct body *body, vec3 tip, double reach)
+/*
+ * The triangle that the tip touches, by its place, or DPT_NONE. Returns 0 where the work does not suffice: of what there is
+ * it leaves what a search for walls begins with.
+ */
+static int find_touched(struct dpt_world *world, const struct body *body, vec3 tip, double reach, uint32_t *triangle)
 {
     struct bvh_traversal traversal = { .level = 0 };
     struct pair_search nearest = { .pair = { .distance2 = reach * reach } };
+    const struct work before = world->work;
+    if (work_left(&world->work) < WORK_COUNTED_ON)
+        return 0;
     pair_search_begin(&nearest, DPT_NONE);
-    return dpti_point_search(&body->surface, &world->kernel, frame_to_local(&body->frame, tip), &traversal,
-                             &world->work, &nearest)
-               ? nearest.triangle
-               : DPT_NONE;
+    work_limit_to(&world->work, work_left(&world->work) - SEARCH_LEAST);
+    const int is_done = dpti_point_search(&body->surface, &world->kernel, frame_to_local(&body->frame, tip), &traversal,
+                                          &world->work, &nearest);
+    world->work.limit = before.limit;
+    *triangle = nearest.triangle;
+    return is_done;
 }
 
 /* Whether a tool that is in channels is at a hole that it has made in a body: it goes in in the next tick. */
@@ -105,7 +113,10 @@ static int ruptures(const struct pierce_law *law, double radius, double stiffnes
     return pierce_law_is_any(law) && push >= rupture_force(law, radius, stiffness);
 }
 
-/* The tip pushes a body: if it touches it and its wall ruptures, a channel begins there. Returns 1 then. */
+/*
+ * The tip pushes a body: if it touches it and its wall ruptures, a channel begins there. Returns 1 then, and where the
+ * search for walls goes on in the next tick: no other body is looked at before.
+ */
 static int pierce(struct proxy_tick *tick, const struct body *body, double push)
 {
     struct dpt_world *world = tick->world;
@@ -120,20 +131,16 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
     struct channel_search *search = channel_search_of(world, tool);
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
     const int is_older = is_search_of(tick, search, body);
+    uint32_t touched = DPT_NONE;
     /* Without work for that the search itself tells whether it touches. */
-    const int is_asked = !is_older && work_left(&world->work) >= WORK_COUNTED_ON;
-    const uint32_t touched = is_asked ? touched_by(world, body, tip, radius + TOUCHING * tick->clearance) : DPT_NONE;
-    if (is_asked && touched == DPT_NONE) {
-        wait_for_work(tick);
-        return 0;
-    }
-    if (is_asked && !ruptures(triangle_law(world, body, touched), radius, stiffness, push))
+    if (!is_older && find_touched(world, body, tip, radius + TOUCHING * tick->clearance, &touched) &&
+        (touched == DPT_NONE || !ruptures(triangle_law(world, body, touched), radius, stiffness, push)))
         return 0;
     if (!is_older)
         begin_search(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), search);
     if (!dpti_channel_search_on(search)) {
         wait_for_work(tick);
-        return 0;
+        return 1;
     }
     const struct channel *found = &search->channel;
     if (!found->wall_count || !(found->walls[0].from > 0.0 && found->walls[0].from <= TOUCHING * tick->clearance) ||
@@ -161,6 +168,14 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
     return 1;
 }
 
+/* The body that is looked at first: that of a search which goes on. Else two bodies could end each other's for good. */
+static uint32_t first_slot(const struct proxy_tick *tick)
+{
+    const struct channel_search *search = channel_search_of(tick->world, tick->tool);
+    const uint32_t slot = search->is_begun ? handle_index(search->channel.body_id) : 0;
+    return is_search_of(tick, search, &tick->world->bodies[slot]) ? slot : 0;
+}
+
 void dpti_proxy_pierce(struct proxy_tick *tick)
 {
     struct dpt_world *world = tick->world;
@@ -177,9 +192,12 @@ void dpti_proxy_pierce(struct proxy_tick *tick)
     /* However small the budget, the search goes on by a little: else a wall would hold for good. */
     if (work_left(&world->work) < SEARCH_LEAST)
         world->work.limit = world->work.done + SEARCH_LEAST;
-    for (uint32_t slot = 0; slot < world->body_slot_end; slot++)
+    const uint32_t first = first_slot(tick);
+    for (uint32_t i = 0; i < world->body_slot_end; i++) {
+        const uint32_t slot = (first + i) % world->body_slot_end;
         if (may_pierce(tick, slot, tip) && pierce(tick, &world->bodies[slot], push))
             break;
+    }
     world->work.limit = before.limit;
 }
 

@@ -224,8 +224,7 @@ dpt_result dpt_body_set_pose(dpt_world *world, dpt_body body, const dpt_pose *po
     return DPT_OK;
 }
 
-/* To tools it is as if the body had just been added where it is. */
-static void begin_anew(struct dpt_world *world, struct body *body)
+void dpti_body_begin_anew(struct dpt_world *world, struct body *body)
 {
     forget_body(world, handle_index(body->id));
     world->has_changed = 1;
@@ -244,7 +243,7 @@ dpt_result dpt_body_teleport(dpt_world *world, dpt_body body, const dpt_pose *po
         return world ? DPT_E_HANDLE : DPT_E_ARGUMENT;
     DPT_TRY(set_validity(world, moved, pose, &frame));
     put_body(world, moved, pose, &frame);
-    begin_anew(world, moved);
+    dpti_body_begin_anew(world, moved);
     return DPT_OK;
 }
 
@@ -290,7 +289,7 @@ static void set_unfelt(struct dpt_world *world, struct body *body, uint32_t unfe
     body->unfelt = unfelt;
     measure_largest(world);
     dpti_broad_phase_put_body(world, handle_index(body->id));
-    begin_anew(world, body);
+    dpti_body_begin_anew(world, body);
 }
 
 /* Settings as they are. */

@@ -15,10 +15,18 @@ static dpt_result read_region(const dpt_body_region *given, uint32_t stride, str
     return !region.reserved && dpti_pierce_law_is_valid(law) ? DPT_OK : DPT_E_ARGUMENT;
 }
 
+static int has_needle(const struct dpt_world *world, uint32_t body_id)
+{
+    for (uint32_t t = 0; t < world->tool_slot_end; t++)
+        if (dpti_is_inserted_in(world, &world->tools[t], body_id))
+            return 1;
+    return 0;
+}
+
 dpt_result dpt_body_set_regions(dpt_world *world, dpt_body body, const uint8_t *of_triangle, uint32_t triangles,
                                 const dpt_body_region *regions, uint32_t count)
 {
-    struct body_regions read = { .of_triangle = of_triangle, .count = count };
+    struct body_regions read = { .of_triangle = count ? of_triangle : NULL, .count = count };
     if (!world || (count && (!of_triangle || !regions)))
         return DPT_E_ARGUMENT;
     struct body *found = world_find_body(world, body);
@@ -35,6 +43,8 @@ dpt_result dpt_body_set_regions(dpt_world *world, dpt_body body, const uint8_t *
     for (uint32_t i = 0; count && i < triangles; i++)
         if (of_triangle[i] > count)
             return DPT_E_INDEX;
+    if (has_needle(world, body))
+        dpti_body_begin_anew(world, found);
     dpti_channels_forget_body(world, body);
     *body_regions_of(world, found) = read;
     world->has_changed = 1;

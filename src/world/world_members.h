@@ -11,6 +11,9 @@ dpt_result dpti_body_can_add(const struct dpt_world *world);
 /* Add a body, for which there is room, and return its id. pose: valid; NULL: the identity. */
 uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, const dpt_pose *pose);
 
+/* To tools it is as if the body had just been added where it is. */
+void dpti_body_begin_anew(struct dpt_world *world, struct body *body);
+
 /* Whether a body or a region may have this law: all numbers in their ranges (dynpoint/body.h). */
 int dpti_pierce_law_is_valid(const struct pierce_law *law);
 

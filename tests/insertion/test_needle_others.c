@@ -224,8 +224,11 @@ struct pierced {
     uint32_t most;       /* units of a tick */
 };
 
-/* The hand goes 4 mm down and rests there, but for a tremor, until the needle is in. */
-static struct pierced pierce_fine(uint32_t budget, double tremor)
+/*
+ * The hand goes 4 mm down and rests there, but for a tremor, until the needle is in. Another such box, if its pose is not
+ * NULL, has the lower number.
+ */
+static struct pierced pierce_fine(uint32_t budget, double tremor, const dpt_pose *other)
 {
     struct needle_rig needle;
     struct solid fine;
@@ -235,8 +238,10 @@ static struct pierced pierce_fine(uint32_t budget, double tremor)
     needle_open_within(&needle, NULL, 1, budget, 0);
     dpt_body_remove(needle.rig.world, needle.rig.body);
     CHECK(solid_from_shape(&fine, "box", FINE_TRIANGLES), "no box");
-    const dpt_body body = rig_add_body(&needle.rig, fine.mesh, NULL);
-    CHECK(dpt_body_set_settings(needle.rig.world, body, &gel) == DPT_OK, "settings");
+    const dpt_pose *poses[2] = { other, NULL };
+    for (int i = other ? 0 : 1; i < 2; i++)
+        CHECK(dpt_body_set_settings(needle.rig.world, rig_add_body(&needle.rig, fine.mesh, poses[i]), &gel) == DPT_OK,
+              "settings");
     rig_place(&needle.rig);
     for (int rested = 0; rested < REST && !needle_channels(&needle, NULL, 0);) {
         const int rests = needle.depth >= 0.004;
@@ -261,10 +266,10 @@ static struct pierced pierce_fine(uint32_t budget, double tremor)
  */
 static void a_small_budget_pierces(void)
 {
-    const struct pierced whole = pierce_fine(0, 0.0);
+    const struct pierced whole = pierce_fine(0, 0.0, NULL);
     CHECK(whole.channel.id && !whole.waited, "it waits without a budget");
     for (int trembles = 0; trembles < 2; trembles++) {
-        const struct pierced part = pierce_fine(SMALL_BUDGET, trembles * 1e-7);
+        const struct pierced part = pierce_fine(SMALL_BUDGET, trembles * 1e-7, NULL);
         CHECK(part.channel.id && part.waited > 2 && part.most <= SMALL_BUDGET, "%d ticks waited, %u units in a tick",
               part.waited, part.most);
         CHECK(fabs(part.channel.entry[0] - whole.channel.entry[0]) < 1e-6 &&
@@ -273,6 +278,61 @@ static void a_small_budget_pierces(void)
               "another channel: at %g %g, %u ruptures, %g m in", part.channel.entry[0], part.channel.entry[2],
               part.channel.ruptures, part.channel.depth);
     }
+}
+
+/* The tip is in the box about a body that it does not touch: that takes nothing of what the search for walls has found. */
+static void a_body_beside_ends_no_search(void)
+{
+    dpt_pose turned = { { 0.081, -0.053, 0.0 }, { 0.92387953251128674, 0.0, 0.0, 0.38268343236508977 } };
+    const struct pierced part = pierce_fine(SMALL_BUDGET, 0.0, &turned);
+    CHECK(part.channel.id && part.waited > 2 && part.channel.depth > 1e-4, "%d ticks waited, %g m in", part.waited,
+          part.channel.depth);
+}
+
+enum { FAN = 1200 };
+
+/* The needle's push on the top of a double cone of many triangles, N, which all have that corner. */
+static int pierces_top(uint32_t budget)
+{
+    static double corners[3 * (FAN + 2)];
+    static uint32_t triangles[6 * FAN];
+    struct needle_rig needle;
+    struct solid cone;
+    dpt_body_settings gel = needle_gel();
+    gel.static_friction = gel.kinetic_friction = 1.0;
+    needle_open_within(&needle, NULL, 1, budget, 0);
+    for (uint32_t i = 0; i < FAN; i++) {
+        const double angle = 6.283185307179586 * i / FAN;
+        const uint32_t next = (i + 1) % FAN, made[6] = { FAN, i, next, FAN + 1, next, i };
+        corners[3 * i] = needle.at[0] + 0.05 * cos(angle);
+        corners[3 * i + 1] = needle.at[1] + 0.05 * sin(angle);
+        corners[3 * i + 2] = 0.03;
+        memcpy(triangles + 6 * i, made, sizeof made);
+    }
+    for (int i = 0; i < 2; i++) {
+        corners[3 * (FAN + i)] = needle.at[0];
+        corners[3 * (FAN + i) + 1] = needle.at[1];
+        corners[3 * (FAN + i) + 2] = i ? 0.0 : NEEDLE_TOP;
+    }
+    CHECK(solid_from_arrays(&cone, "cone", corners, FAN + 2, triangles, 2 * FAN), "no cone");
+    dpt_body_remove(needle.rig.world, needle.rig.body);
+    CHECK(dpt_body_set_settings(needle.rig.world, rig_add_body(&needle.rig, cone.mesh, NULL), &gel) == DPT_OK,
+          "settings");
+    rig_place(&needle.rig);
+    needle_go(&needle, 0.004, 0.02);
+    for (int i = 0; i < REST && !needle_channels(&needle, NULL, 0); i++)
+        needle_step(&needle);
+    const int pierces = needle_channels(&needle, NULL, 0) == 1;
+    needle_close(&needle);
+    solid_close(&cone);
+    return pierces;
+}
+
+/* Where all triangles are as near to the tip, to find which it touches takes more than a tick's work. */
+static void no_budget_holds_a_wall_for_good(void)
+{
+    for (uint32_t budget = 60; budget <= 400; budget += 20)
+        CHECK(pierces_top(budget), "%u units hold it", budget);
 }
 
 /* Where the far wall of one body and the near wall of the next are one for the tip, each takes a push of its own. */
@@ -353,6 +413,8 @@ int main(void)
     TEST(a_body_beside_the_shaft);
     TEST(a_budget_is_no_wall);
     TEST(a_small_budget_pierces);
+    TEST(a_body_beside_ends_no_search);
+    TEST(no_budget_holds_a_wall_for_good);
     TEST(one_wall_a_tick);
     TEST(room_that_another_needle_leaves);
     TEST(ids_after_a_reset);

@@ -166,6 +166,11 @@ class Feel(unittest.TestCase):
                 self.assertEqual(len(tool.channels), wanted)
                 with self.assertRaisesRegex(dp.Error, "set_regions"):
                     body.set_regions([2] * 12, [{"toughness": 1.0}])
+                others = [bytes([number % 2 * 7] * 12) for number in range(1000)]  # where freed bytes were
+                tool.teleport([-0.02, 0.01, 0.003])
+                for height in np.linspace(0.01, -0.02, 300):
+                    tool.tick([-0.02, height, 0.003], 0.001)
+                self.assertEqual((len(tool.channels), len(others)), (2 * wanted, 1000))
                 body.set_regions([], [])
 
     def test_a_compliance_for_each_vertex(self):
@@ -183,6 +188,40 @@ class Feel(unittest.TestCase):
         self.assertTrue(felt[0].any() and np.array_equal(felt[0], felt[1]) and not np.array_equal(felt[0], felt[2]))
         with dp.World() as world, self.assertRaisesRegex(ValueError, f"compliances: wanted {count}"):
             world.add_deformable(self.mesh, compliance=soft, compliances=[soft])
+
+    def test_a_step_is_foreseen(self):
+        mesh = dp.Mesh.load(self.obj, unit="m", springs={"kind": "volume", "young": 3000, "spacing": 0.02, "fixed": [0]})
+        for integrator in ("symplectic", "implicit"):
+            springs = dp.Springs(mesh, integrator=integrator, gravity=[0, -9.81, 0])
+            load = np.zeros(1, dp.LOAD)
+            load["vertex"], load["force"] = springs.count // 2, [0.01, 0, 0]
+            for loads in (None, load, load):
+                before = springs.nodes
+                told = springs.foresee(0.001, loads)
+                self.assertTrue(np.array_equal(springs.nodes, before))
+                springs.step(0.001, loads)
+                self.assertTrue(np.array_equal(springs.nodes, told) and not np.array_equal(told, before))
+        with self.assertRaisesRegex(dp.Error, "Springs.foresee"):
+            springs.foresee(np.nan)
+        with self.assertRaisesRegex(TypeError, "loads"):
+            springs.foresee(0.001, "none")
+        rest = self.mesh.vertices
+        with dp.World() as world:
+            body = world.add_deformable(self.mesh, compliance=1e-3, period=0.004)
+            body.answer(np.zeros(0, dp.LOAD))
+            body.vertices = rest + np.float32(1e-4)
+            body.foresee(rest + np.float32(3e-4))
+            body.foresee(rest[:5] + np.float32(2e-4), 0)
+            for _ in range(4):
+                world.step(0.001)
+                body.step(None, 0.001)
+            moved = (body.vertices - rest)
+            self.assertTrue(np.allclose(moved[:5], 2e-4, atol=1e-6) and np.allclose(moved[5:], 3e-4, atol=1e-6))
+            with self.assertRaisesRegex(dp.Error, "DeformableBody.foresee"):
+                body.foresee(rest, 1)
+            rigid = world.add_deformable(self.mesh)
+            with self.assertRaisesRegex(dp.Error, "DeformableBody.foresee"):
+                rigid.foresee(rest)
 
     def test_a_soft_body_gives_way_and_is_felt(self):
         mesh = dp.Mesh.load(self.obj, unit="m", springs={"kind": "volume", "young": 3000, "spacing": 0.02, "fixed": [0]})

@@ -15,6 +15,7 @@ check 'the seed is not used' test "$(sed -n 2p other.csv)" != "$(sed -n 2p inser
 succeeds 'with sizes' make trace --insert --mesh box.dpa --length 0.07 --depth 0.02 --speed 0.05 --ticks 1500 -o sized.csv
 refuses 'a band' --band make trace --insert --mesh box.dpa --band 0.01 -o none.csv
 refuses 'a depth of a tool that slides' --depth make trace --mesh box.dpa --depth 0.01 -o none.csv
+refuses 'a speed at which it never arrives' '--speed: at 1e-300 m/s' make trace --insert --mesh box.dpa --speed 1e-300 -o none.csv
 
 cat >sized.py <<'END'
 rows = [[float(cell) for cell in line.split(",")] for line in open("sized.csv").read().splitlines()[1:]]

@@ -308,7 +308,10 @@ int command_make_trace(int argc, char **argv)
     insert_hand_begin(&needle, &hand, length, depth, speed);
     if (ticks == TICKS_UNSET)
         ticks = is_needle ? 2 * insert_hand_ticks(&needle) : 20000;
-    status = write_trace(&(struct trace_mover){ &hand, is_needle ? &needle : NULL }, ticks, out);
+    if (is_needle && insert_hand_ticks(&needle) == INSERT_TICKS_MAX)
+        status = complain("make trace", "--speed: at %g m/s an insertion takes more than 1e9 ticks", needle.speed);
+    else
+        status = write_trace(&(struct trace_mover){ &hand, is_needle ? &needle : NULL }, ticks, out);
     free(bytes);
     return status;
 }

@@ -38,7 +38,7 @@ static double way_time(const struct insert_hand *hand)
 
 uint64_t insert_hand_ticks(const struct insert_hand *hand)
 {
-    return (uint64_t)ceil((2.0 * way_time(hand) + PAUSE + REST) / TICK);
+    return (uint64_t)min_of(ceil((2.0 * way_time(hand) + PAUSE + REST) / TICK), INSERT_TICKS_MAX);
 }
 
 /* m: how far it has come on its way after a time, s. */

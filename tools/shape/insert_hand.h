@@ -24,7 +24,8 @@ struct insert_hand {
 void insert_hand_begin(struct insert_hand *hand, const struct trace_hand *place, double length, double depth,
                        double speed);
 
-/* Ticks of one insertion, from rest to rest. */
+/* Ticks of one insertion, from rest to rest; at most so many, which is none that anybody waits for. */
+#define INSERT_TICKS_MAX 1000000000u
 uint64_t insert_hand_ticks(const struct insert_hand *hand);
 
 /* The needle's ends in the next tick of 1 ms, in the mesh's frame: ax, ay, az, bx, by, bz. */

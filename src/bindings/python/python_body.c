@@ -163,10 +163,12 @@ static PyObject *body_set_regions(PyObject *object, PyObject *args)
     int is_kept = 0;
     dpt_world *world = dpy_world_enter(self->world, "Body");
     if (world) {
-        is_kept = keep(self->world, self->id | REGIONS, of_triangle) == 0;
-        if (is_kept)
-            result = dpt_body_set_regions(world, self->id, (const uint8_t *)PyBytes_AsString(of_triangle),
-                                          (uint32_t)PyBytes_Size(of_triangle), regions.buf, count);
+        result = dpt_body_set_regions(world, self->id, (const uint8_t *)PyBytes_AsString(of_triangle),
+                                      (uint32_t)PyBytes_Size(of_triangle), regions.buf, count);
+        /* After an error the body goes on with the bytes that it had. */
+        is_kept = result != DPT_OK || keep(self->world, self->id | REGIONS, of_triangle) == 0;
+        if (!is_kept)
+            dpt_body_set_regions(world, self->id, NULL, 0, NULL, 0);
         dpy_world_leave(self->world);
     }
     PyBuffer_Release(&regions);
@@ -202,25 +204,44 @@ static PyObject *body_get_mesh(PyObject *self, void *unused)
     return get_part(((dpy_member *)self)->part);
 }
 
-/* set_vertices(positions, first, bound): float32 of shape (n, 3) */
-static PyObject *body_set_vertices(PyObject *object, PyObject *args)
+/* Positions, float32 of shape (n, 3): of vertices from `first` on; without a bound those that are foreseen. */
+static PyObject *put_vertices(PyObject *object, PyObject *from, unsigned first, const double *bound, const char *what)
 {
     dpy_member *self = (dpy_member *)object;
+    Py_ssize_t count;
+    Py_buffer view;
+    dpt_result result = DPT_OK;
+    if (dpy_get_array(from, &view, "f", 4, 3, &count, "vertices") != 0)
+        return NULL;
+    dpt_world *world = dpy_world_enter(self->world, what);
+    if (world) {
+        result = bound ? dpt_body_set_vertices(world, self->id, first, (uint32_t)count, view.buf, *bound)
+                       : dpt_body_set_foreseen_vertices(world, self->id, first, (uint32_t)count, view.buf);
+        dpy_world_leave(self->world);
+    }
+    PyBuffer_Release(&view);
+    return world ? dpy_result(result, what) : NULL;
+}
+
+/* set_vertices(positions, first, bound) */
+static PyObject *body_set_vertices(PyObject *object, PyObject *args)
+{
     PyObject *from;
     unsigned first;
     double bound;
-    Py_ssize_t count;
-    Py_buffer view;
-    if (!PyArg_ParseTuple(args, "OId:set_vertices", &from, &first, &bound) ||
-        dpy_get_array(from, &view, "f", 4, 3, &count, "vertices") != 0)
-        return NULL;
-    dpt_world *world = dpy_world_enter(self->world, "DeformableBody.set_vertices");
-    dpt_result result =
-        world ? dpt_body_set_vertices(world, self->id, first, (uint32_t)count, view.buf, bound) : DPT_OK;
-    if (world)
-        dpy_world_leave(self->world);
-    PyBuffer_Release(&view);
-    return world ? dpy_result(result, "DeformableBody.set_vertices") : NULL;
+    return PyArg_ParseTuple(args, "OId:set_vertices", &from, &first, &bound)
+               ? put_vertices(object, from, first, &bound, "DeformableBody.set_vertices")
+               : NULL;
+}
+
+/* set_foreseen_vertices(positions, first) */
+static PyObject *body_set_foreseen_vertices(PyObject *object, PyObject *args)
+{
+    PyObject *from;
+    unsigned first;
+    return PyArg_ParseTuple(args, "OI:set_foreseen_vertices", &from, &first)
+               ? put_vertices(object, from, first, NULL, "DeformableBody.foresee")
+               : NULL;
 }
 
 /* get_vertices(out): float32 of shape (n, 3), n being all of them; returns n, and writes nothing where `out` has not n. */
@@ -343,6 +364,7 @@ static PyMethodDef methods[] = { { "of", body_of, METH_VARARGS | METH_CLASS, NUL
                                    NULL },
                                  { "set_regions", body_set_regions, METH_VARARGS, NULL },
                                  { "set_vertices", body_set_vertices, METH_VARARGS, NULL },
+                                 { "set_foreseen_vertices", body_set_foreseen_vertices, METH_VARARGS, NULL },
                                  { "get_vertices", body_get_vertices, METH_O, NULL },
                                  { "get_loads", body_get_loads, METH_O, NULL },
                                  { "step_springs", body_step_springs, METH_VARARGS, NULL },

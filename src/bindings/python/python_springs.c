@@ -104,6 +104,37 @@ static PyObject *springs_step(PyObject *object, PyObject *args)
     return result == DPT_OK ? Py_NewRef(Py_None) : dpy_fail(result, "Springs.step", NULL);
 }
 
+/* foresee_once(dt, loads, positions): `loads` None or structs, positions float32 of shape (n, 3); without Python's lock. */
+static PyObject *springs_foresee(PyObject *object, PyObject *args)
+{
+    PyObject *from, *to;
+    double dt;
+    Py_ssize_t load_count = 0, count = 0;
+    Py_buffer loads, positions;
+    if (!PyArg_ParseTuple(args, "dOO:foresee", &dt, &from, &to) ||
+        dpy_get_array(to, &positions, "f", 4, 3, &count, "positions") != 0)
+        return NULL;
+    const int has_loads = from != Py_None;
+    dpt_springs *springs = NULL;
+    dpt_result result = DPT_OK;
+    if (positions.readonly)
+        PyErr_SetString(PyExc_TypeError, "foresee: wanted an array that can be written to");
+    else if (!has_loads || dpy_get_array(from, &loads, "", sizeof(dpt_load), 1, &load_count, "loads") == 0) {
+        springs = dpy_springs_enter(object, "Springs.foresee");
+        if (springs) {
+            Py_BEGIN_ALLOW_THREADS result = dpt_springs_foresee(springs, dt, has_loads ? loads.buf : NULL,
+                                                                (uint32_t)load_count, (uint32_t)count, positions.buf);
+            Py_END_ALLOW_THREADS dpy_springs_leave(object);
+        }
+        if (has_loads)
+            PyBuffer_Release(&loads);
+    }
+    PyBuffer_Release(&positions);
+    if (!springs)
+        return NULL;
+    return result == DPT_OK ? Py_NewRef(Py_None) : dpy_fail(result, "Springs.foresee", NULL);
+}
+
 /* get_nodes(positions, speeds), set_nodes(first, positions, speeds): float32 of shape (n, 3) */
 static PyObject *exchange_nodes(PyObject *object, PyObject *first, PyObject *places, PyObject *speeds)
 {
@@ -175,11 +206,11 @@ static PyObject *springs_get_stable_step(PyObject *self, void *unused)
     return PyFloat_FromDouble(dpt_springs_get_stable_step(((dpy_springs *)self)->springs));
 }
 
-static PyMethodDef methods[] = { { "step_once", springs_step, METH_VARARGS, NULL },
-                                 { "get_nodes", springs_get_nodes, METH_VARARGS, NULL },
-                                 { "put_nodes", springs_set_nodes, METH_VARARGS, NULL },
-                                 { "get_energy", springs_energy, METH_NOARGS, NULL },
-                                 { NULL, NULL, 0, NULL } };
+static PyMethodDef methods[] = {
+    { "step_once", springs_step, METH_VARARGS, NULL },      { "foresee_once", springs_foresee, METH_VARARGS, NULL },
+    { "get_nodes", springs_get_nodes, METH_VARARGS, NULL }, { "put_nodes", springs_set_nodes, METH_VARARGS, NULL },
+    { "get_energy", springs_energy, METH_NOARGS, NULL },    { NULL, NULL, 0, NULL }
+};
 static PyGetSetDef properties[] = { { "count", springs_get_count, NULL, NULL, NULL },
                                     { "stable_step", springs_get_stable_step, NULL, NULL, NULL },
                                     { NULL, NULL, NULL, NULL, NULL } };

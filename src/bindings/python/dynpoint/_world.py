@@ -215,6 +215,11 @@ class DeformableBody(Body):
         had for its step."""
         self.set_answered_loads(loads)
 
+    def foresee(self, positions: npt.NDArray[np.float32], first: int = 0) -> None:
+        """Of a body with a compliance, after `answer` and `vertices`: where vertices from `first` on will be after the next
+        step of your physics, if the loads stay those of the answer (Springs.foresee). What is light needs it to be still."""
+        self.set_foreseen_vertices(positions, first)
+
     def step(self, springs: Optional[Springs], dt: float) -> Any:
         """After a step of the world: its springs go on, solved together with the tools that touch (SPRINGS_INFO). None: the
         body has a compliance, by which it gives way between two steps of physics of your own."""
@@ -233,6 +238,12 @@ class Springs(_dynpoint.Springs):
         info = room(SPRINGS_INFO)
         self.step_once(dt, loads, info)
         return info[0]
+
+    def foresee(self, dt: float, loads: Optional[Records] = None) -> npt.NDArray[np.float32]:
+        """Where a step would take the nodes: (n, 3), m. They stay where they are."""
+        positions = np.zeros((self.count, 3), np.float32)
+        self.foresee_once(dt, loads, positions)
+        return positions
 
     @property
     def nodes(self) -> npt.NDArray[np.float32]:
