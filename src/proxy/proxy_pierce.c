@@ -115,7 +115,7 @@ static int ruptures(const struct pierce_law *law, double radius, double stiffnes
 
 /*
  * The tip pushes a body: if it touches it and its wall ruptures, a channel begins there. Returns 1 then, and where the
- * search for walls goes on in the next tick: no other body is looked at before.
+ * search for walls goes on in the next tick: no other body is looked at before. That of a body that deforms does not.
  */
 static int pierce(struct proxy_tick *tick, const struct body *body, double push)
 {
@@ -140,7 +140,7 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
         begin_search(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), search);
     if (!dpti_channel_search_on(search)) {
         wait_for_work(tick);
-        return 1;
+        return !body->surface.motion;
     }
     const struct channel *found = &search->channel;
     if (!found->wall_count || !(found->walls[0].from > 0.0 && found->walls[0].from <= TOUCHING * tick->clearance) ||
