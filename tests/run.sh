@@ -121,7 +121,8 @@ else
     run_reading "include src tools/packaging" "WebAssembly" sh tests/wasm/check.sh build
     run_reading "include src tools/packaging" "the package of npm" sh tests/js/check.sh build
     run_reading "include src drivers tools tests/abi docs/samples" "Python's package" env RELEASE="$release" sh tests/python/check.sh build
-    run_reading "include src drivers tools tests/abi" "other languages, the same scene" env RELEASE="$release" sh tests/languages/check.sh build
+    run_reading "include src drivers tools tests/abi docs/csharp.md docs/java.md docs/go.md docs/rust.md" \
+        "other languages, the same scene" env RELEASE="$release" sh tests/languages/check.sh build
     command_line build
     command_line build/sanitize
     for config in release scalar sanitize; do

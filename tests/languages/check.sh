@@ -6,8 +6,9 @@
 #     sh tests/languages/check.sh [BUILD=build] [LANGUAGE...]
 #
 # It calls `sh tests/languages/LANGUAGE/run.sh BUILD ROOM ROUNDS` from the top of the tree. ROOM is an empty folder, which
-# is removed afterwards; RELEASE=yes is for what takes long. A run.sh prints a line for each thing that it says. If it
-# ends with another status than 0, it says why:
+# is removed afterwards; RELEASE=yes is for what takes long. A run.sh calls make with BUILD/wasm.lock, as tests/js does:
+# both make the model of the ABI. It prints a line for each thing that it says. If it ends with another status than 0, it
+# says why:
 #
 #     ok WHAT, FAIL WHAT, skip WHAT      a check; a skip names what is missing, and the group of `make deps`
 #     note TEXT                          is shown

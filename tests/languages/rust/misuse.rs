@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-//! What users get wrong in Rust: an error, or the panic that they began, never more. Run under sanitizers by sanitize.sh.
+//! What users get wrong in Rust: an error, or the panic that they began, never more. release.sh has it over sanitizers.
 use dynpoint::{
     force, law, response, status, Body, Channel, Compiler, Contact, DeformableDef, Error, Guard, GuardDef, Hit,
 };

@@ -9,6 +9,7 @@ build=$1 room=$2 rounds=$3
 here=tests/languages/rust
 crates=$build/rust/crates
 edition='--edition 2021'
+. tests/languages/blocks.sh
 with='--cfg feature="alloc" --cfg feature="std" --cfg feature="compile"'
 status=0
 
@@ -27,7 +28,7 @@ case $(rustc --version) in
 "rustc 1."[0-9].* | "rustc 1."[1-7][0-9].* | "rustc 1.80."*) skip "the crates: $(rustc --version), not 1.81" && exit 1 ;;
 esac
 python3 -c 'import pycparser' 2>/dev/null || { skip "the crates: no pycparser (make deps light)" && exit 1; }
-make -s crate-sources B="$build" >&2
+flock "$build/wasm.lock" make -s crate-sources B="$build" >&2
 said $? "declarations from the headers, held to the list of layouts"
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' $here/../../../src/bindings/rust/dynpoint/Cargo.toml)
 [ "$version" = "$(sed -n 's/^#define DPT_VERSION_STRING "\(.*\)"/\1/p' include/dynpoint/base.h)" ] &&
@@ -120,6 +121,18 @@ crate "$room/installed" dynpoint_sys $host -L native="$build" -l dylib=dynpoint_
 said $? "with the host library they compile too"
 tests host "scenes and devices" -L "$room/installed" -L native="$build" \
     --extern dynpoint="$room/installed/libdynpoint.rlib"
+
+{
+    echo 'use dynpoint::{Compiler, Felt, HostOptions, Pose, Segment, World, WorldDef, Wrench};'
+    echo 'type End = Result<(), Box<dyn std::error::Error>>;'
+    echo 'pub fn touch(pose: impl Fn() -> Pose, send: impl Fn(Wrench)) -> End {'
+    block docs/rust.md rust 1 && echo '} pub fn scene() -> End {' && block docs/rust.md rust 2 &&
+        echo 'drop(stats); Ok(()) }'
+} >"$room/shown.rs"
+# shellcheck disable=SC2086
+rustc $edition --emit=metadata --crate-type rlib --out-dir "$room/installed" -L "$room/installed" \
+    --extern dynpoint="$room/installed/libdynpoint.rlib" "$room/shown.rs" >&2
+said $? "the page's blocks compile"
 
 # Without std and alloc, on a bare target: Rust's linker names what is not there. Rust itself brings mem*.
 target=thumbv7em-none-eabihf
