@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The packages of C#, from the top of the tree: csharp_package.py VERSION FOLDER
 
-FOLDER has Dynpoint.dll and .xml, generated/*.cs, and native/RID/ with a native library for each platform that there is.
-It gets
+FOLDER has nuget/Dynpoint.dll and .xml, generated/*.cs, and native/RID/ with a native library for each platform that there
+is. It gets
 
     com.dynpoint.dynpoint/               the sources in the layout of a package of Unity, with a .meta beside each file
     com.dynpoint.dynpoint-VERSION.tgz    the same, for Unity's package manager
@@ -149,7 +149,7 @@ def write_nuget(version, folder):
     }
     for framework in ("net45", "netstandard2.0"):
         for name in ("Dynpoint.dll", "Dynpoint.xml"):
-            files[f"lib/{framework}/{name}"] = read(f"{folder}/{name}")
+            files[f"lib/{framework}/{name}"] = read(f"{folder}/nuget/{name}")
     for rid, name, content in natives(folder):
         files[f"runtimes/{rid}/native/{name}"] = content
     kinds = sorted({os.path.splitext(path)[1][1:] for path in files if "." in os.path.basename(path)} - {"rels"})
@@ -166,6 +166,8 @@ def write_nuget(version, folder):
 
 def main():
     version, folder = sys.argv[1:]
+    for old in glob.glob(f"{folder}/{NAME}-*.tgz") + glob.glob(f"{folder}/Dynpoint.*.nupkg"):
+        os.remove(old)
     write_unity(version, folder)
     write_nuget(version, folder)
     print(f"{folder}/{NAME}-{version}.tgz, {folder}/Dynpoint.{version}.nupkg: not run in Unity or .NET")

@@ -44,5 +44,12 @@ $(CS)/Dynpoint.dll: $(CS_SOURCES) $(CS_MADE) $(CS_NATIVE)
 	$(MCS) -nologo -warnaserror -nowarn:1591 -unsafe -optimize -d:DYNPOINT_SPAN -target:library -doc:$(CS)/Dynpoint.xml \
 	  -out:$@ $(CS_ALL)
 
-nupkg: $(CS)/Dynpoint.dll ## packages of Unity and NuGet, with what lies in build/csharp/native: not run in Unity or .NET
+# Mono has spans in its mscorlib, .NET has not: in what any of them is to load there are none.
+CS_NUGET := $(CS)/nuget/Dynpoint.dll
+$(CS_NUGET): $(CS_SOURCES) $(CS_MADE)
+	@mkdir -p $(@D)
+	$(MCS) -nologo -warnaserror -nowarn:1591 -unsafe -optimize -target:library -doc:$(CS)/nuget/Dynpoint.xml -out:$@ \
+	  $(CS_ALL)
+
+nupkg: $(CS_NUGET) $(CS_NATIVE) ## packages of Unity and NuGet, with build/csharp/native/*: not run in Unity or .NET
 	$(PYTHON) -B tools/packaging/csharp_package.py $(VERSION) $(CS)
