@@ -126,8 +126,39 @@ static class InUnity
              "a device in a thread: {0:f2} N up, its proxy {1:f4} m above the hand, at z {2:f2}", highest, apart, ahead);
     }
 
+    /// <summary>Unity disables, and enables once more, also what could not be enabled.</summary>
+    static void Failures()
+    {
+        foreach (MonoBehaviour sample in new MonoBehaviour[]
+                 {
+                     new Touch { organ = new MeshFilter { sharedMesh = MakeCube() } },
+                     new DeviceTouch { organ = new MeshFilter { sharedMesh = MakeCube() }, device = "nothing:" },
+                 })
+        {
+            MeshFilter organ = sample is Touch ? ((Touch)sample).organ : ((DeviceTouch)sample).organ;
+            string said = "";
+            foreach (float scale in new[] { 0f, 1f })
+            {
+                organ.transform.lossyScale = new Vector3(scale, scale, scale);
+                foreach (string name in new[] { "OnEnable", "OnDisable" })
+                    try
+                    {
+                        Call(sample, name);
+                    }
+                    catch (TargetInvocationException error)
+                    {
+                        said += name + " " + error.InnerException.GetType().Name + " ";
+                    }
+            }
+            const string refused = "OnEnable DynpointException ";
+            That(said == (sample is Touch ? refused : refused + refused), "{0} that could not be enabled: {1}",
+                 sample.GetType().Name, said);
+        }
+    }
+
     static int Main()
     {
+        Failures();
         Windings();
         Sample();
         DeviceSample();

@@ -84,9 +84,13 @@ namespace Dynpoint
         /// <summary>Takes it out of its world.</summary>
         public void Remove()
         {
-            Finish(Native.dpt_body_remove(World.Enter("Body.Remove"), Id), "Body.Remove");
-            World.Forget(this);
-            LetGo();
+            Result result = Native.dpt_body_remove(World.Enter("Body.Remove"), Id);
+            if (result == Result.Ok)
+            {
+                World.Forget(this);
+                LetGo();
+            }
+            Finish(result, "Body.Remove");
         }
 
         internal void LetGo()

@@ -81,6 +81,10 @@ namespace Dynpoint
             {
                 throw new DllNotFoundException(Where(), error);
             }
+            catch (BadImageFormatException error) // .NET, of one for another processor
+            {
+                throw new DllNotFoundException(Where(), error);
+            }
             catch (EntryPointNotFoundException error)
             {
                 throw new DllNotFoundException(FileName() + " is there, but is none of dynpoint's: " + error.Message,

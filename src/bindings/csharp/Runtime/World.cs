@@ -76,11 +76,11 @@ namespace Dynpoint
             try
             {
                 uint id;
+                Body body = null;
                 Result result = Native.dpt_body_add(Enter("World.AddBody"), opened, &pose, &id);
+                if (result == Result.Ok) bodies.Add(body = new Body(this, mesh, id, null));
                 Leave();
                 DynpointException.Check(result, "World.AddBody");
-                Body body = new Body(this, mesh, id, null);
-                bodies.Add(body);
                 opened = IntPtr.Zero;
                 return body;
             }
@@ -112,12 +112,12 @@ namespace Dynpoint
                 if (bytes == UIntPtr.Zero) throw DynpointException.Make(Result.EArgument, "World.AddDeformable", null);
                 memory = new Block(bytes);
                 uint id;
+                DeformableBody body = null;
                 Result result = Native.dpt_body_add_deformable(Enter("World.AddDeformable"), (void*)memory.Start, bytes,
                     &def, &id);
+                if (result == Result.Ok) bodies.Add(body = new DeformableBody(this, mesh, id, memory));
                 Leave();
                 DynpointException.Check(result, "World.AddDeformable");
-                DeformableBody body = new DeformableBody(this, mesh, id, memory);
-                bodies.Add(body);
                 opened = IntPtr.Zero;
                 return body;
             }

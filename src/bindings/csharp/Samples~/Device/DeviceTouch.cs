@@ -73,14 +73,16 @@ public class DeviceTouch : MonoBehaviour
     {
         SceneTick tick;
         Exception error;
+        bool isThere;
         lock (gate)
         {
-            if (!isFelt && failure == null) return;
             tick = last;
+            isThere = isFelt;
             error = failure;
             failure = null;
         }
         if (error != null) Debug.LogException(error);
+        if (!isThere) return;
         Force = tick.Wrench.Force.ToUnity();
         Double3 hand = tick.State.Pose.Position;
         for (int k = 0; k < 3; k++) hand[k] = origin[k] + zoom * hand[k];
@@ -88,12 +90,17 @@ public class DeviceTouch : MonoBehaviour
         if (proxy != null) proxy.SetPose(tick.Proxy);
     }
 
-    /// <summary>The device gets zero force.</summary>
+    /// <summary>The device gets zero force. Where OnEnable failed, there is less to close.</summary>
     private void OnDisable()
     {
-        scene.Stop();
-        loop.Join();
-        scene.Dispose();
-        mesh.Dispose();
+        if (scene != null)
+        {
+            scene.Stop();
+            loop.Join();
+            scene.Dispose();
+        }
+        if (mesh != null) mesh.Dispose();
+        scene = null;
+        mesh = null;
     }
 }

@@ -63,9 +63,12 @@ public class Touch : MonoBehaviour
         Debug.DrawRay(transform.position, 0.02f * Force, Color.red);
     }
 
+    /// <summary>Where OnEnable failed, there is less to close.</summary>
     private void OnDisable()
     {
-        world.Dispose();
-        mesh.Dispose();
+        if (world != null) world.Dispose();
+        if (mesh != null) mesh.Dispose();
+        world = null;
+        mesh = null;
     }
 }
