@@ -91,7 +91,7 @@ func NewWorld(def C.dpt_world_def) (*World, error) {
 		return nil, Code(C.DPT_E_ARGUMENT)
 	}
 	world := &World{meshes: map[C.dpt_body]*Mesh{}}
-	if bytes > math.MaxInt64 {
+	if uint64(bytes) > math.MaxInt64 {
 		return nil, Code(C.DPT_E_MEMORY)
 	}
 	// C.malloc of cgo ends the program where there is no memory; calloc says so.
