@@ -18,6 +18,12 @@ for tool in clang wasm-ld node npm; do
         finish
     fi
 done
+case $(node --version) in
+v[0-9].* | v1[0-7].*)
+    skip "the package of npm: node $(node --version), not 18 (make deps wasm)"
+    finish
+    ;;
+esac
 if ! echo '#include <stdlib.h>' | clang --target=wasm32-wasi -E -x c - >/dev/null 2>&1; then
     skip "the package of npm: no C library for WebAssembly (make deps wasm)"
     finish

@@ -21,6 +21,7 @@ for (const face of [
 const vertices = Float64Array.from(CUBE.vertices);
 const corners = Uint32Array.from(CUBE.corners);
 const POSE = [0, 0, 0, 1, 0, 0, 0];
+const MIXED = [Array(8).fill(0), Array(6).fill(0)]; // as many numbers as two segments have
 const ROD = [[-0.02, 0, 0, 0.02, 0, 0, 0.002]];
 
 // As the library refuses: its code, and a sentence that is not the code.
@@ -124,7 +125,8 @@ const wrong = work => assert.throws(work, error => error instanceof TypeError ||
       wrong(() => world.setToolPose(tool, no));
       wrong(() => world.setBodyPose(body, no));
     }
-    for (const no of [[[0, 0, 0]], [7], 7, undefined, [[...ROD[0], 1]], [null]]) wrong(() => world.addTool(no));
+    for (const no of [[[0, 0, 0]], [7], 7, undefined, [[...ROD[0], 1]], [null], MIXED, [["0", 0, 0, 0.02, 0, 0, 0.002]]])
+      wrong(() => world.addTool(no));
     for (const no of [new Float64Array(24), new Float32Array(4), Array(24).fill(0), undefined, new ArrayBuffer(96)])
       wrong(() => world.setVertices(soft, no));
     refused("DPT_E_ARGUMENT", () => world.setVertices(soft, new Float32Array(27)));
@@ -154,6 +156,13 @@ const wrong = work => assert.throws(work, error => error instanceof TypeError ||
     for (const name of ["mesh", "pose", "compliances"]) wrong(() => world.addDeform(mesh, { [name]: 2 ** 31 }));
     for (const name of ["progress", "user", "springs"])
       assert.throws(() => compiler.compileArrays(vertices, corners, { [name]: 99 }), TypeError);
+    for (const no of [-1, 1.5, NaN, 2 ** 32, "1"])
+      wrong(() => compiler.compileArrays(vertices, corners, { springs: { kind: "sheet", fixed: [no] } }));
+    const [list, set] = [[0, 5], new Set([0, 5])].map(fixed =>
+      compiler.compileArrays(vertices, corners, { springs: { kind: "sheet", fixed } }),
+    );
+    assert.deepStrictEqual(set, list);
+    assert.notDeepStrictEqual(list, cloth);
     for (const name of ["fixedCount", "regionCount"])
       assert.strictEqual(
         compiler.compileArrays(vertices, corners, { springs: { kind: "sheet", [name]: 1e9 } }).length,
@@ -270,6 +279,10 @@ const wrong = work => assert.throws(work, error => error instanceof TypeError ||
       /of a tick/,
     );
     assert.strictEqual((await loop.run()).ticks, 2);
+    const stopped = loop.run();
+    loop.stop();
+    assert.throws(() => loop.run(), /runs/);
+    assert.strictEqual((await stopped).ticks, 2);
   });
   finish();
 })();

@@ -92,6 +92,12 @@ function talk(file, at) {
       if (tick !== 16) assert(line.includes(tick < 16 ? "is free" : "touches"), line);
     });
   });
+  await check("the README's block, above a box of 0.1 m in mm", () => {
+    const [, block] = fs.readFileSync(path.join(place, "README.md"), "utf8").match(/```js\n([^]*?)```/);
+    const box = JSON.stringify(BOX.replace(/\.05/g, "50"));
+    const frame = `const [x, y, z, bytesOfStl] = [0, 0.06, 0, new TextEncoder().encode(${box})];\n`;
+    near(run("readme.mjs", frame + block).match(/-?\d+\.?\d*/g).map(Number), [0.01, 0, 0, 0], 1e-6);
+  });
   const sample = path.join(room, "loop_worker.mjs");
   fs.copyFileSync(path.join(place, "samples/loop_worker.mjs"), sample);
   const file = new TextEncoder().encode(BOX);

@@ -16,7 +16,7 @@ const INNER = {
   Mesh: "core bytes pointer users array words in",
   World: `core memory call meshes blocks springs room snapshot block world made numbers pose placeOf hold springsOf withSegments
     withArray larger list`,
-  Loop: "tick pace sleep late took round",
+  Loop: "tick pace sleep late took round hasEnded",
   Pace: "begun",
   Layout: "",
 };

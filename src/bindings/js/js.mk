@@ -11,4 +11,5 @@ $(NPM)/package/package.json: $(NPM_FILES) LICENSE tools/packaging/npm_package.js
 	$(NODE) tools/packaging/npm_package.js $(WASM) $(B)/abi.json $(@D)
 
 $(NPM)/dynpoint-$(VERSION).tgz: $(NPM)/package/package.json
-	cd $(<D) && npm pack --silent --pack-destination .. >/dev/null
+	@rm -f $(NPM)/dynpoint-*.tgz
+	cd $(<D) && npm pack --silent --no-update-notifier --logs-max=0 --pack-destination .. >/dev/null

@@ -93,17 +93,20 @@ class Loop {
     this.late = new Float32Array(KEPT);
     this.took = new Float32Array(KEPT);
     this.isRunning = false;
+    this.hasEnded = true;
   }
 
   // Until stop(), or until a tick throws: what getInfo tells.
   run() {
-    if (this.isRunning) throw new Error("this loop runs");
+    if (!this.hasEnded) throw new Error("this loop runs");
+    this.hasEnded = false;
     this.isRunning = true;
     this.pace.begin(performance.now());
     const { turn, end } = turns();
     return new Promise((resolve, reject) => {
       const leave = (how, what) => {
         this.isRunning = false;
+        this.hasEnded = true;
         end();
         how(what);
       };

@@ -88,6 +88,8 @@ class Compiler {
     const net = struct("dpt_spring_net_def");
     this.exports.dpt_spring_net_def_defaults(net, layouts.dpt_spring_net_def.bytes);
     if (!(kind in NETS)) throw new TypeError('springs are of kind "sheet" or "volume"');
+    const held = Array.from(fixed);
+    if (!held.every(HOLDS.u32)) throw new RangeError("fixed vertices are whole numbers from 0 on");
     const { bytes } = layouts.dpt_spring_region;
     const at = allocate(bytes * regions.length);
     regions.forEach((region, k) => {
@@ -96,8 +98,8 @@ class Compiler {
     });
     this.memory.write("dpt_spring_net_def", net, values, {
       kind: NETS[kind],
-      fixed: copy(Uint32Array.from(fixed)),
-      fixedCount: fixed.length,
+      fixed: copy(Uint32Array.from(held)),
+      fixedCount: held.length,
       regions: at,
       regionCount: regions.length,
     });

@@ -172,9 +172,10 @@ class World {
   }
 
   withSegments(segments, call) {
-    const list = Float64Array.from(Array.from(segments).flatMap(segment => Array.from(segment)));
-    if (list.length !== 7 * segments.length) throw new TypeError("a segment is 7 numbers");
-    return this.withArray(list, at => call(at, segments.length));
+    const list = Array.from(segments, segment => Array.from(segment));
+    if (list.length !== segments.length || list.some(segment => segment.length !== 7 || !segment.every(isNumber)))
+      throw new TypeError("a segment is 7 numbers");
+    return this.withArray(Float64Array.from(list.flat()), at => call(at, list.length));
   }
 
   // call(place of a copy of the array)
