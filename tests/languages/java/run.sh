@@ -29,7 +29,8 @@ fi
 java_of() {
     library=$1
     shift
-    "$java" -Xmx256m -XX:-UsePerfData "-XX:ErrorFile=$room/crash" --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" \
+    # What was freed is not as it was: where glibc is.
+    MALLOC_PERTURB_=165 timeout 120 "$java" -Xmx256m -XX:-UsePerfData "-XX:ErrorFile=$room/crash" --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" \
         -cp "$room/classes" "$@"
 }
 tests_of() {

@@ -16,6 +16,7 @@ public final class Scene implements AutoCloseable {
     private final Arena arena = Arena.ofShared();
     private final MemorySegment host;
     private final AtomicBoolean isBusy = new AtomicBoolean();
+    private final Object stopping = new Object(); // held while it is stopped, and while it is closed
 
     /** A scene's name or path, a device, and after how many ticks a run ends; 0: none. */
     public Scene(String scene, String device, long ticks) {
@@ -55,7 +56,9 @@ public final class Scene implements AutoCloseable {
 
     /** Ends the present run, or the next one. From any thread. */
     public void stop() {
-        dpt_host_stop(host);
+        synchronized (stopping) {
+            dpt_host_stop(host);
+        }
     }
 
     /** Ticks with contact, and the strongest force at the hand, N. */
@@ -76,8 +79,10 @@ public final class Scene implements AutoCloseable {
         enter("Scene.close");
         try {
             if (!arena.scope().isAlive()) return;
-            dpt_host_close(host, MemorySegment.NULL);
-            arena.close();
+            synchronized (stopping) {
+                dpt_host_close(host, MemorySegment.NULL);
+                arena.close();
+            }
         } finally {
             isBusy.set(false);
         }

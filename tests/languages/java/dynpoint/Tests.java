@@ -14,6 +14,7 @@ import java.nio.file.Path;
 import java.util.Arrays;
 import java.util.HashMap;
 import java.util.Map;
+import java.util.concurrent.CountDownLatch;
 import java.util.regex.MatchResult;
 import java.util.regex.Pattern;
 
@@ -173,10 +174,38 @@ final class Tests {
         }
     }
 
+    /** A thread stops scenes until they are closed, which another one does meanwhile. */
+    private static void closedWhileStopped() throws InterruptedException {
+        Throwable[] thrown = new Throwable[1];
+        int closed = 0;
+        for (; closed < 5 && thrown[0] == null; closed++) {
+            Scene scene = new Scene("liver", "sim:?hand=press", 1);
+            CountDownLatch begun = new CountDownLatch(1000);
+            Thread stopper = new Thread(() -> {
+                try {
+                    for (;; begun.countDown()) scene.stop();
+                } catch (IllegalStateException error) {
+                    if (!error.getMessage().contains("closed")) thrown[0] = error;
+                }
+            });
+            stopper.start();
+            begun.await();
+            try {
+                scene.close();
+            } catch (IllegalStateException error) {
+                thrown[0] = error;
+                break;
+            }
+            stopper.join();
+        }
+        that(closed == 5, "%d scenes that are closed while another thread stops them (%s)", closed, thrown[0]);
+    }
+
     public static void main(String[] arguments) throws Exception {
         layoutsAreTheLibrarys(arguments[0]);
         misuse();
         scenes();
+        closedWhileStopped();
         System.exit(failed > 0 ? 2 : 0);
     }
 }
