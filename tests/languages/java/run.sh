@@ -30,8 +30,8 @@ java_of() {
     library=$1
     shift
     # What was freed is not as it was: where glibc is.
-    MALLOC_PERTURB_=165 timeout 120 "$java" -Xmx256m -XX:-UsePerfData "-XX:ErrorFile=$room/crash" --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" \
-        -cp "$room/classes" "$@"
+    MALLOC_PERTURB_=165 timeout 120 "$java" -Xmx256m -XX:-UsePerfData "-XX:ErrorFile=$room/crash" \
+        --enable-native-access=ALL-UNNAMED "-Djava.library.path=$library" -cp "$room/classes" "$@"
 }
 tests_of() {
     java_of "$1" dynpoint.Tests tests/abi/layouts.txt >"$room/tests" 2>"$room/errors"
