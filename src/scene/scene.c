@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -248,6 +249,15 @@ static dpt_result put_look(struct scene *scene, const struct scene_def *def, dpt
     return DPT_OK;
 }
 
+/* A listed scene's meshes do not tell its port. In nm, as no locale changes how whole numbers are written. */
+static void add_port(struct file_identity *identity, const double port[3])
+{
+    char text[96];
+    const int size = snprintf(text, sizeof text, "port %lld %lld %lld", llround(1e9 * port[0]), llround(1e9 * port[1]),
+                              llround(1e9 * port[2]));
+    file_identity_add(identity, text, (size_t)size);
+}
+
 /* The bodies, of a name or of a file. */
 static dpt_result open_bodies(struct scene *scene, const struct scene_def *def, dpt_host_error *error)
 {
@@ -262,7 +272,10 @@ static dpt_result open_bodies(struct scene *scene, const struct scene_def *def, 
     if (listed && !def->scene_bytes.bytes) {
         scene->camera = listed->camera;
         scene->inset = listed->inset;
-        return scene_bodies_of_list(&scene->bodies, listed, &scene->file, error);
+        DPT_TRY(scene_bodies_of_list(&scene->bodies, listed, &scene->file, error));
+        if (listed->has_port)
+            add_port(&scene->file, listed->port);
+        return DPT_OK;
     }
     if (def->file) {
         scene->file = def->file->identity;

@@ -23,7 +23,7 @@ enum { SCENE_CONTACTS = 32 };
 struct scene {
     const char *command; /* as in scene_def */
     struct file_identity file,
-        tool_file;            /* of the scene and all of its meshes; of the tool's arm, zeros if none was named */
+        tool_file;            /* of the scene, its meshes and its port; of the tool's arm, zeros if none was named */
     struct scene_stage stage; /* the world, the bodies in it, and the tool */
     const dpt_arm *arm;       /* the arm of the scene; NULL: there is none */
     const dpt_arm *tool_arm;  /* the arm whose tool is used; NULL: there is none */

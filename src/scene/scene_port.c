@@ -10,6 +10,7 @@ int scene_port_set(struct scene_port *port, const double place[3], const double 
     if (!(length(way) > 0.0))
         return 0;
     port->outward = unit_of(way);
+    port->upright = quaternion_of_turn(tool_axis, port->outward);
     return 1;
 }
 
@@ -26,20 +27,20 @@ void scene_port_aim(const struct scene_port *port, const double tip[3], double o
 {
     int is_near;
     const vec3 way = way_out(port, tip, &is_near);
-    quaternion_store(quaternion_of_turn(tool_axis, unit_of(way)), orientation);
+    quaternion_store(quaternion_product(quaternion_of_turn(port->outward, unit_of(way)), port->upright), orientation);
 }
 
 /*
- * With n the axis and n' its rate of change, the least turn from z has the angular velocity n x n' - n (v . n') / (1 + z . n),
- * v = z x n. So torque t has the power g . n', g = t x n - (t . n) v / (1 + z . n), and n' is -1 / L times the tip's speed
- * across n.
+ * With n the axis, n' its rate of change and o `outward`, the least turn from o has the angular velocity
+ * n x n' - n (v . n') / (1 + o . n), v = o x n. So torque t has the power g . n', g = t x n - (t . n) v / (1 + o . n),
+ * and n' is -1 / L times the tip's speed across n. o . n is above 0, as the way out is at least `nearest` along o.
  */
 void scene_port_carry(const struct scene_port *port, const double tip[3], dpt_wrench *wrench)
 {
     int is_near;
     const vec3 way = way_out(port, tip, &is_near), axis = unit_of(way), torque = vec3_of(wrench->torque);
-    const vec3 across = cross(tool_axis, axis);
-    const double spin = dot(torque, axis) / max_of(1e-6, 1.0 + dot(tool_axis, axis));
+    const vec3 across = cross(port->outward, axis);
+    const double spin = dot(torque, axis) / (1.0 + dot(port->outward, axis));
     vec3 lever = scaled(along(cross(torque, axis), -spin, across), 1.0 / length(way));
     if (is_near)
         lever = along(lever, -dot(lever, port->outward), port->outward);

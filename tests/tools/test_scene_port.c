@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * A tool that enters by a port: its axis leads through it; what the hand feels is the gradient, by differences, of the
- * energy of springs that hold places of the tool; by the law of the lever; and a tip at the port or beyond turns nothing over.
+ * energy of springs that hold places of the tool; by the law of the lever; a tip at the port or beyond turns nothing
+ * over; no direction of the port is odd. And recordings tell which port a listed scene had.
  */
 #include "scene/scene_port.h"
 
 #include "lib/check.h"
 #include "lib/random.h"
+#include "scene/scene.h"
+#include "scene/scene_list.h"
 
 enum { PLACES = 4, TRIALS = 200 };
 #define LENGTH 0.1
@@ -102,6 +105,69 @@ static void is_a_lever(void)
     }
 }
 
+/* Whichever way the port lies: a small way turns the tool little, and a torque about its axis is a small force. */
+static void has_no_odd_direction(void)
+{
+    static const double ways[][3] = { { 0.0, 0.0, -0.1 }, { 0.0, 0.0, 0.1 }, { 0.1, 0.0, 0.0 }, { 0.0, -0.06, -0.08 } };
+    const double torque = 0.01, step = 1e-4;
+    uint64_t seed = 5;
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        struct scene_port port;
+        double last[4] = { 0.0 };
+        scene_port_set(&port, ways[i], (const double[]){ 0.0, 0.0, 0.0 }, LENGTH);
+        for (int trial = 0; trial < TRIALS; trial++) {
+            double tip[3], now[4], axis[3], alike = 0.0;
+            dpt_wrench wrench = { .force = { 0.0 } };
+            for (int k = 0; k < 3; k++)
+                tip[k] = step * (random_in(&seed, 0.0, 1.0) - 0.5);
+            scene_port_aim(&port, tip, now);
+            quaternion_rotate(now, (const double[]){ 0.0, 0.0, 1.0 }, axis);
+            vec3_store(scaled(vec3_of(axis), torque), wrench.torque);
+            scene_port_carry(&port, tip, &wrench);
+            const double force = length(vec3_of(wrench.force));
+            CHECK(force < torque / LENGTH * step / LENGTH, "way %zu: %g N from %g Nm about the axis", i, force, torque);
+            for (int k = 0; k < 4; k++)
+                alike += now[k] * last[k];
+            CHECK(trial == 0 || fabs(alike) > 1.0 - step, "way %zu, trial %d: it turns by %g", i, trial,
+                  2.0 * acos(fabs(alike)));
+            memcpy(last, now, sizeof last);
+        }
+    }
+}
+
+/* What a recording or a plan was of. A listed scene's meshes do not tell its port. */
+static void is_part_of_what_a_scene_is(void)
+{
+    const struct listed_scene *with = scene_listed("laparoscopy"), *without = scene_listed("tori");
+    const struct listed_scene *const scenes[] = { with, without };
+    for (int i = 0; i < 2; i++) {
+        struct scene_bodies bodies;
+        struct file_identity of_meshes = { .bytes = 0 };
+        struct scene scene;
+        dpt_host_error error = { .size = sizeof error };
+        struct scene_def def = { .command = "run",
+                                 .path = scenes[i]->name,
+                                 .length = LENGTH,
+                                 .radius = 0.002,
+                                 .zoom = 1.0,
+                                 .force_scale = 1.0,
+                                 .clutch = -1,
+                                 .force = { .law = DPT_LAW_PROXY, .stiffness = 500.0, .friction = NAN } };
+        const dpt_result made = scene_bodies_of_list(&bodies, scenes[i], &of_meshes, &error);
+        const dpt_result opened = made == DPT_OK ? scene_open(&scene, &def, &error) : made;
+        CHECK(opened == DPT_OK, "%s: %s", scenes[i]->name, error.text);
+        if (opened == DPT_OK) {
+            CHECK(scene.port.is_given == scenes[i]->has_port && scenes[i]->has_port == !i, "%s: the port",
+                  scenes[i]->name);
+            CHECK((scene.file.crc32 != of_meshes.crc32 && scene.file.bytes > of_meshes.bytes) == scenes[i]->has_port,
+                  "%s: %llu bytes, of meshes %llu", scenes[i]->name, (unsigned long long)scene.file.bytes,
+                  (unsigned long long)of_meshes.bytes);
+            scene_close(&scene);
+        }
+        scene_bodies_close(&bodies);
+    }
+}
+
 /* From deep inside to far outside, by the port: the axis turns by little a step, and no force grows beyond its lever of 1. */
 static void turns_nothing_over(void)
 {
@@ -133,5 +199,7 @@ int main(void)
     TEST(leads_through_the_port);
     TEST(is_a_lever);
     TEST(turns_nothing_over);
+    TEST(has_no_odd_direction);
+    TEST(is_part_of_what_a_scene_is);
     return check_report();
 }
