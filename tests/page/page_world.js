@@ -349,6 +349,54 @@ async function checkMessages(core, meshes) {
   });
 }
 
+// The worker itself, with a clock that does not run, and a core that comes when `openCore` lets it.
+function workerOf(openCore) {
+  const folder = path.join(__dirname, "../../tools/page");
+  const names = ["held_device", "touch_world", "touch_messages", "touch_loop", "compile_job", "touch_worker"];
+  const text = names.map(name => fs.readFileSync(path.join(folder, `${name}.js`), "utf8")).join("\n");
+  const [sent, timers] = [[], new Set()];
+  const begin = new Function(
+    "dynpoint",
+    "postMessage",
+    "setInterval",
+    "clearInterval",
+    `let onmessage; ${text}\nreturn data => onmessage({ data });`,
+  );
+  const set = work => (timers.add(work), work);
+  const post = begin({ ...dynpoint, openCore }, message => sent.push(message), set, work => timers.delete(work));
+  return { post, sent, timers };
+}
+
+async function checkWorker(meshes) {
+  const early = async (...messages) => {
+    let open;
+    const worker = workerOf(bytes => new Promise(done => (open = () => done(dynpoint.openCore(bytes)))));
+    worker.post({ kind: "core", bytes: modules().core });
+    for (const message of messages) worker.post(message);
+    open();
+    for (let i = 0; i < 1000 && !worker.sent.some(({ kind }) => kind === "ready"); i++)
+      await new Promise(done => setTimeout(done, 10));
+    return { ...worker, kinds: worker.sent.map(one => one.kind ?? messageReader.readMessage(one).kind) };
+  };
+  const scene = {
+    kind: "scene",
+    file: meshes.torus,
+    scene: SCENES.torus,
+    choices: { law: "proxy", stiffness: 500 },
+    idles: true,
+  };
+  await check("a scene that is compiled before the core is there is shown when it is", async () => {
+    const { kinds, timers } = await early(scene);
+    assert.deepStrictEqual([kinds, timers.size], [["ready", "scene"], 1]);
+  });
+  await check("a page that is hidden before the core is there takes no tick until it is seen", async () => {
+    const { kinds, timers, post } = await early({ kind: "pause", paused: true }, scene);
+    assert.deepStrictEqual([kinds, timers.size], [["ready", "scene"], 0]);
+    post({ kind: "pause", paused: false });
+    assert.strictEqual(timers.size, 1);
+  });
+}
+
 async function checkCompile(meshes) {
   await check("a mesh of any size is scaled to 200 mm, whatever its unit", async () => {
     const source = new TextEncoder().encode(
@@ -406,6 +454,7 @@ async function checkCompile(meshes) {
   await checkWorld(core, meshes, limit);
   await checkLoop(core, meshes);
   await checkMessages(core, meshes);
+  await checkWorker(meshes);
   await checkCompile(meshes);
   finish();
 })();

@@ -9,11 +9,15 @@ const { pathToFileURL } = require("url");
 const { until } = require("../view/chromium.js");
 const LAWS = ["point", "bed", "proxy"];
 
+// Where no frames come, the failure has what the page says of itself.
 const running = page =>
   until(
     "frames",
     () => page.ask("typeof dynpoint === 'object' && 'panel' in dynpoint && dynpoint.state().frames > 2"),
-  );
+  ).catch(async error => {
+    const told = "[document.visibilityState, typeof dynpoint === 'object' && dynpoint.state()]";
+    throw new Error(`${error.message}: ${JSON.stringify([...(await page.ask(told)), page.said])}`);
+  });
 
 async function visitPage(browser, file, options) {
   const page = await browser.visit(pathToFileURL(path.resolve(file)).href, options);

@@ -7,6 +7,7 @@
   const { TouchWorld } = touchWorld;
   const { TouchLoop, idleOver } = touchLoop;
   let core = null;
+  const early = []; // what came before the core was there
   let loop = null;
   let made = null; // what the world was made of
   let timer = null;
@@ -65,6 +66,7 @@
       const { DAMPING, MASS, PERIOD } = heldDevice;
       postMessage({ kind: "ready", limit: core.stableStiffness(MASS, DAMPING, PERIOD, 0, 0) });
       timer ??= setInterval(beat, BEAT);
+      for (const message of early.splice(0)) acts[message.kind](message);
     },
     async compile(job) {
       const answer = await compileJob.run(dynpoint, job);
@@ -102,5 +104,8 @@
     },
   };
 
-  onmessage = ({ data }) => acts[data.kind](data);
+  onmessage = ({ data }) => {
+    if (core || data.kind === "core" || data.kind === "compile") acts[data.kind](data);
+    else early.push(data);
+  };
 })();
