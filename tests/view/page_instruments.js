@@ -104,9 +104,31 @@ async function jaws(browser) {
     assert.strictEqual(await page.ask("document.getElementById('dressed').checkVisibility()"), true);
   });
   await check("what is felt is seen through where meshes stand for it", async () => {
+    const [tube, box] = await page.ask(`(view => {
+      const [{ object }] = view.dress.parts;
+      const mesh = { positions: new Float32Array(9), corners: Uint32Array.of(0, 1, 2), vertices: 3 };
+      const open = new dress.Dress([{ mesh: 0, pose: [0, 0, 0, 1, 0, 0, 0], hinge: null, colour: null }], [mesh]);
+      return [open.objects[0], object].map(({ material }) => material.side === THREE.DoubleSide);
+    })(viewer.own.view)`);
+    assert.deepStrictEqual([tube, box], [true, false], "an open mesh is seen from both sides");
     const lists = "({ proxy, clearProxy }) => [proxy.list.length, clearProxy.list.length]";
     const [solid, clear] = await page.ask(`(${lists})(viewer.own.view.tools)`);
     assert.deepStrictEqual([solid, clear], [0, 1]);
+  });
+  await check("a dress that goes leaves nothing behind", async () => {
+    const [before, after] = await page.ask(`(view => {
+      const count = () => view.renderer.info.memory.geometries;
+      const { snapshot } = view;
+      view.draw(true);
+      const before = count();
+      for (let i = 0; i < 3; i++) {
+        view.setScene(viewer.own.scene);
+        view.show(snapshot, new Map());
+        view.draw(true);
+      }
+      return [before, count()];
+    })(viewer.own.view)`);
+    assert(after <= before, `${before} geometries, then ${after}`);
   });
   assert.deepStrictEqual(page.said, []);
   await browser.leave(page);

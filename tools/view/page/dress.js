@@ -26,8 +26,11 @@ const dress = (() => {
     // parts: as the scene has them; meshes: all of the scene's
     constructor(parts, meshes) {
       this.parts = parts.map(part => {
-        const material = new THREE.MeshPhongMaterial({ ...SHINE, transparent: true }); // drawn with the tool's other parts
-        const object = new THREE.Mesh(geometryOf(meshes[part.mesh]), material);
+        const mesh = meshes[part.mesh];
+        const side = rays.isClosed(mesh.corners) ? THREE.FrontSide : THREE.DoubleSide;
+        // Transparent, so that it is drawn with the tool's other parts.
+        const material = new THREE.MeshPhongMaterial({ ...SHINE, side, transparent: true });
+        const object = new THREE.Mesh(geometryOf(mesh), material);
         Object.assign(object, { frustumCulled: false, matrixAutoUpdate: false, renderOrder: 1 });
         const [x, y, z, w, i, j, k] = part.pose;
         const pose = new THREE.Matrix4().compose(

@@ -10,6 +10,7 @@ const sceneView = (() => {
   const SIDE = 24; // pixels that stay free at the left and at the right
   const ROOM = 12; // pixels between what is seen and the legend or the buttons
   const REST = 150; // ms without a move of the eye
+  const LEAST_ASPECT = 1.2; // width to height: a narrower picture takes in as much from side to side
   const LEAST_MOVED = 1e-4; // m: the least end of the deformation's colours
   const UNIT_BOX = [-1, -1, -1, 1, 1, 1];
   const COLOURS = [
@@ -160,10 +161,13 @@ const sceneView = (() => {
       if (!again) this.setCamera();
     }
 
-    // As the scene has it, else so that all is seen.
+    // As the scene has it, farther away where the picture is narrow; else so that all is seen.
     setCamera() {
       this.fit(false);
-      if (this.scene.camera) this.camera.place(this.scene.camera);
+      if (this.scene.camera) {
+        this.camera.place(this.scene.camera);
+        if (this.width) this.camera.zoom(Math.max(1, (LEAST_ASPECT * this.height) / this.width));
+      }
       this.isFresh = !this.scene.camera;
       this.fitted = { ...this.camera.state };
     }
