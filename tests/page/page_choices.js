@@ -106,8 +106,10 @@ async function checkGestures(page) {
       return [x + width / 2, y + height / 2];
     });
     const [, , back] = await moves(page, async () => {
+      const { tip } = await touch.shown(page);
+      const by = async () => Math.hypot(...(await touch.shown(page)).tip.map((value, k) => value - tip[k]));
       await page.mouse("mousePressed", at, { button: "left", buttons: 1, clickCount: 1 });
-      await sleep(250);
+      await until("more than 3 mm", async () => (await by()) > 3e-3);
       await page.mouse("mouseReleased", at, { button: "left", clickCount: 1 });
     });
     assert(back > 3e-3, `${back} m`);

@@ -195,6 +195,7 @@ async function steering(browser) {
     for (let i = 1; i <= 60; i++)
       await page.mouse("mouseMoved", [start[0] + i, start[1] - i / 2], { button: "left", buttons: 1 });
     await page.mouse("mouseReleased", [start[0] + 60, start[1] - 30], { button: "left", clickCount: 1 });
+    await page.settle(); // it is sent with a picture
     await sleep(200);
     const { length } = run.hands;
     const last = run.hands[length - 1];
