@@ -26,6 +26,7 @@ from pages import Page
 from verdicts import main
 
 HAND = "sim:?hand=press&live=1"
+SAMPLES = Path(__file__).resolve().parents[2] / "docs/samples"
 CHROMIUM = shutil.which("chromium")
 POLICY = 1008
 NEEDS_PAGE = unittest.skipUnless((Path(dp.__file__).parent / "page.html").exists(), "a build without the viewer's page")
@@ -214,6 +215,15 @@ class View(unittest.TestCase):
             while struct.unpack_from("<I", last := page.hear())[0] == 2:
                 pass
             self.assertEqual(last, struct.pack("<II", 3, 21) + b"The scene was closed.")
+
+    def test_a_page_gets_what_a_tool_wears_its_jaws_and_the_second_view(self):
+        grasper = SAMPLES / "grasper.json"
+        for name, parts, has_jaws, has_inset in (("laparoscopy", 0, False, True), (grasper, 3, True, False)):
+            with dp.Scene(str(name), HAND) as scene:
+                first = scene.view_begin(b"", b"", False)
+                scene.view_end()
+            told = json.loads(first[8 : 8 + struct.unpack_from("<I", first, 4)[0]])
+            self.assertEqual((len(told["dress"]), told["jaws"], told["inset"] is not None), (parts, has_jaws, has_inset))
 
     def test_a_view_slows_no_tick_and_moves_no_bit(self):
         """The hand's simulated clock makes all runs alike."""
