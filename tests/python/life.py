@@ -54,6 +54,16 @@ class Life(unittest.TestCase):
             self.assertGreater(tool.wrench[1], 2)
         del filler
 
+    def test_what_is_put_into_a_scene_s_world_lives_as_long_as_the_scene(self):
+        mesh, scene = dp.Mesh.compile(VERTICES, TRIANGLES, unit="m"), dp.Scene("liver", "sim:", ticks=1)
+        before = sys.getrefcount(mesh)
+        scene.body(0).remove()  # a scene has room for its own
+        scene.world.add_body(mesh)
+        gc.collect()
+        self.assertGreater(sys.getrefcount(mesh), before)
+        scene.close()
+        self.assertEqual(sys.getrefcount(mesh), before)
+
     def test_a_scene_lives_as_long_as_its_world(self):
         tool = dp.Scene("liver", "sim:", ticks=1).tool
         gc.collect()

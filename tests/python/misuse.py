@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import pickle
+import signal
 import tempfile
 import threading
 import unittest
@@ -213,6 +214,19 @@ class Misuse(unittest.TestCase):
         self.assertEqual(scene.run().ticks, 1)
         scene.close()
         device.close()
+
+    def test_Ctrl_C_is_a_fork_s_own_while_its_parent_runs_a_loop(self):
+        before, felt = signal.signal(signal.SIGINT, signal.default_int_handler), threading.Event()
+        try:
+            with dp.Scene("liver", "sim:?hand=press&live=1", felt=lambda *_: felt.set()) as scene:
+                thread = threading.Thread(target=scene.run)
+                thread.start()
+                felt.wait()
+                self.assertEqual(in_a_child(lambda: signal.raise_signal(signal.SIGINT)), "KeyboardInterrupt: ")
+                scene.stop()
+                thread.join()
+        finally:
+            signal.signal(signal.SIGINT, before)
 
     def test_what_pickles_and_what_does_not(self):
         with dp.World() as world, dp.Device("sim:") as device, dp.Scene("liver", "sim:") as scene:

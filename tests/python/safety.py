@@ -210,6 +210,10 @@ class Safety(unittest.TestCase):
     def test_Ctrl_C_in_the_library_s_loop(self):
         self.ends_in_zero(SCENE.replace("FELT", "None"), "pass", "KeyboardInterrupt", -signal.SIGINT, signal.SIGINT)
 
+    def test_Ctrl_C_that_is_the_system_s(self):
+        program = "import signal; signal.signal(signal.SIGINT, signal.SIG_DFL)" + SCENE.replace("FELT", "None")
+        self.ends_in_zero(program, "pass", "", -signal.SIGINT, signal.SIGINT)
+
     def test_an_exception_in_what_is_felt(self):
         self.ends_in_zero(SCENE.replace("FELT", "felt"), "raise ZeroDivisionError('felt')", "ZeroDivisionError: felt", 1,
                           signal.SIGUSR1)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 #include "bindings/python/python_error.h"
 
+#include "bindings/python/python_interrupt.h"
+
 #include "platform/interpreter.h"
 
 PyObject *dpy_error;
@@ -11,6 +13,7 @@ unsigned dpy_process;
 static void count_process(void)
 {
     dpy_process++;
+    dpy_interrupt_fork();
 }
 
 PyObject *dpy_fail(dpt_result code, const char *what, const char *text)

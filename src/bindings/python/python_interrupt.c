@@ -42,6 +42,8 @@ int dpy_interrupt_begin(dpy_interrupt *interrupt)
 
 int dpy_interrupt_end(dpy_interrupt *interrupt)
 {
+    if (running[interrupt->place] != interrupt)
+        return 0; /* it ran in the process that this one is a fork of */
     running[interrupt->place] = NULL;
     if (--count > 0)
         return 0;
@@ -49,6 +51,16 @@ int dpy_interrupt_end(dpy_interrupt *interrupt)
     if (!came)
         return 0;
     came = 0;
-    PyErr_SetInterrupt();
+    raise(SIGINT); /* to whom it was for: Python, or the system, which ends the program */
     return PyErr_CheckSignals();
+}
+
+void dpy_interrupt_fork(void)
+{
+    for (int i = 0; i < LOOPS_MAX; i++)
+        running[i] = NULL;
+    if (count > 0)
+        interrupts_give_back();
+    count = 0;
+    came = 0;
 }

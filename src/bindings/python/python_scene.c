@@ -16,6 +16,7 @@ typedef struct dpy_scene {
     dpy_owner owner;
     dpt_host *host;   /* NULL: it is closed */
     PyObject *bodies; /* meshes that it needs */
+    PyObject *kept;   /* what its world needs beside them: a dict */
     PyObject *felt;   /* called after each tick, or NULL */
     PyObject *state, *wrench;
     Py_buffer state_view, wrench_view;
@@ -167,6 +168,10 @@ static PyObject *scene_new(PyTypeObject *type, PyObject *args, PyObject *keyword
         goto done;
     dpy_owner_init(&self->owner);
     self->bodies = Py_NewRef(bodies);
+    if (!(self->kept = PyDict_New())) {
+        Py_CLEAR(self);
+        goto done;
+    }
     if (called != Py_None) {
         if (dpy_get_structs(state, &self->state_view, sizeof(dpt_device_state), NULL, "state") != 0 ||
             dpy_get_array(wrench, &self->wrench_view, "d", 8, 6, NULL, "wrench") != 0) {
@@ -217,6 +222,7 @@ static int let_go(dpy_scene *self)
         Py_END_ALLOW_THREADS
     }
     Py_CLEAR(self->bodies);
+    Py_CLEAR(self->kept);
     Py_CLEAR(self->felt);
     if (self->state_view.obj)
         PyBuffer_Release(&self->state_view);
@@ -356,7 +362,7 @@ static PyObject *scene_get_world(PyObject *object, PyObject *type)
     dpt_host *host = enter_reading(self, "Scene.world");
     if (!host)
         return NULL;
-    PyObject *world = dpy_world_wrap((PyTypeObject *)type, dpt_host_get_world(host), object, &self->world);
+    PyObject *world = dpy_world_wrap((PyTypeObject *)type, dpt_host_get_world(host), object, &self->world, self->kept);
     leave_reading(self);
     return world;
 }

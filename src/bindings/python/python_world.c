@@ -27,7 +27,7 @@ dpy_world *dpy_world_of(PyObject *object)
     return NULL;
 }
 
-PyObject *dpy_world_wrap(PyTypeObject *type, dpt_world *world, PyObject *holder, dpy_world **link)
+PyObject *dpy_world_wrap(PyTypeObject *type, dpt_world *world, PyObject *holder, dpy_world **link, PyObject *kept)
 {
     dpy_world *self = (dpy_world *)dpy_allocate(type);
     if (!self)
@@ -35,7 +35,7 @@ PyObject *dpy_world_wrap(PyTypeObject *type, dpt_world *world, PyObject *holder,
     dpy_owner_init(&self->owner);
     self->world = world;
     self->holder = Py_XNewRef(holder);
-    self->kept = PyDict_New();
+    self->kept = kept ? Py_NewRef(kept) : PyDict_New();
     if (!self->kept) {
         Py_DECREF((PyObject *)self);
         return NULL;
@@ -72,7 +72,7 @@ static PyObject *world_new(PyTypeObject *type, PyObject *args, PyObject *keyword
         return PyErr_NoMemory();
     dpt_world *world;
     dpt_result result = bytes > 0 ? dpt_world_create(block, bytes, &def, &world) : DPT_E_ARGUMENT;
-    dpy_world *self = result == DPT_OK ? (dpy_world *)dpy_world_wrap(type, world, NULL, NULL) : NULL;
+    dpy_world *self = result == DPT_OK ? (dpy_world *)dpy_world_wrap(type, world, NULL, NULL, NULL) : NULL;
     if (self) {
         self->block = block;
         return (PyObject *)self;

@@ -18,7 +18,7 @@ struct dpy_world {
     void *block;      /* NULL: it is `holder`'s */
     PyObject *holder; /* a scene, which is kept, or NULL */
     dpy_world **link; /* where the holder has this world; it does not keep it */
-    PyObject *kept;   /* a dict from a body's id to what it needs */
+    PyObject *kept;   /* a dict from a body's id to what it needs; the holder's too */
 };
 
 extern PyObject *dpy_world_type;
@@ -36,8 +36,11 @@ static inline void dpy_world_leave(dpy_world *self)
 /* The world of an argument, or NULL with TypeError. */
 dpy_world *dpy_world_of(PyObject *object);
 
-/* A world of `holder`, which dpy_world_forget ends; *link is the world as long as there is one. */
-PyObject *dpy_world_wrap(PyTypeObject *type, dpt_world *world, PyObject *holder, dpy_world **link);
+/*
+ * A world of `holder`, which dpy_world_forget ends; *link is the world as long as there is one. `kept` is a dict that the
+ * holder has as long as the library's world, which may outlive this one.
+ */
+PyObject *dpy_world_wrap(PyTypeObject *type, dpt_world *world, PyObject *holder, dpy_world **link, PyObject *kept);
 void dpy_world_forget(dpy_world *self);
 
 /* None for DPT_OK, else an exception: what a setter ends with. */

@@ -155,12 +155,17 @@ class Body(_Member, _dynpoint.Body):
         """Parts of the surface that take of a needle what they say: `puncture_force`, `toughness`, `cutting_force`,
         `shaft_friction`, `shaft_viscosity`. `of_triangle`: a number a triangle of the source, 0: none, k: regions[k - 1].
         """
-        laws = np.zeros(len(regions), REGION)
+        laws, known = np.zeros(len(regions), REGION), (REGION.names or ())[2:]
         laws["size"] = REGION.itemsize
         for i, region in enumerate(regions):
             for name, value in region.items():
+                if name not in known:
+                    raise ValueError(f"regions[{i}]: there is no {name!r}; there are {', '.join(known)}")
                 laws[name][i] = value
-        _dynpoint.Body.set_regions(self, np.asarray(of_triangle, np.uint8).tobytes(), laws.tobytes())
+        numbers = np.asarray(of_triangle)
+        if numbers.size and (numbers.dtype.kind not in "iub" or numbers.min() < 0 or numbers.max() > 255):
+            raise ValueError(f"of_triangle: wanted whole numbers from 0 to {len(laws)}, one a triangle of the source")
+        _dynpoint.Body.set_regions(self, numbers.astype(np.uint8).tobytes(), laws.tobytes())
 
     def __repr__(self) -> str:
         if not self.valid:
