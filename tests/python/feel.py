@@ -171,7 +171,30 @@ class Feel(unittest.TestCase):
                 for height in np.linspace(0.01, -0.02, 300):
                     tool.tick([-0.02, height, 0.003], 0.001)
                 self.assertEqual((len(tool.channels), len(others)), (2 * wanted, 1000))
+                for numbers in ([256] * 12, [0.5] * 12, np.full(12, -1)):
+                    with self.assertRaisesRegex(ValueError, "whole numbers from 0 to 1, one a triangle"):
+                        body.set_regions(numbers, [{}])
+                with self.assertRaisesRegex(ValueError, "no 'size'; there are puncture_force, "):
+                    body.set_regions([0] * 12, [{"size": 9}])
                 body.set_regions([], [])
+
+    def test_fields_are_those_of_the_library_where_numpy_has_the_names(self):
+        with dp.World() as world:
+            world.add_body(self.mesh)
+            tool = world.add_tool([0, 0, 0], [0, 0.1, 0], 0.002)
+            tool.tick([0, 0.05, 0], 0.001)
+            hit, force = tool.hit, tool.force
+        for struct in (hit, force, pickle.loads(pickle.dumps(hit)), pickle.loads(pickle.dumps(np.array([hit])))[0]):
+            self.assertEqual((struct.flags, type(struct.flags)), (struct["flags"], np.uint32))
+        hit.flags = 5
+        self.assertEqual((hit.flags, hit["flags"], dp.Hit(int(hit.flags))), (5, 5, dp.Hit.GAP | dp.Hit.BUDGET))
+        self.assertIs(type(np.zeros(1, dp.SEGMENT)[0].flags), type(np.zeros(1, dp.HIT).flags))  # NumPy's
+        self.assertEqual((np.zeros(1, _structs.HOST_INFO)[0].put, np.zeros(1, dp.RECORD)[0].device), (0, 0))
+        for dtype in [each for each in vars(_structs).values() if isinstance(each, np.dtype)]:
+            struct = np.zeros(1, dtype)[0]
+            for field in set(dtype.names) - {"size"}:
+                self.assertIs(type(getattr(struct, field)), type(struct[field]), field)
+        self.assertEqual(repr(np.zeros(1, dp.SEGMENT)[0]).split("(")[0].split(".")[-1], "Struct")
 
     def test_a_compliance_for_each_vertex(self):
         count, felt, soft = int(self.mesh.info.vertices), [], 2.0 ** -9  # of as many bits in a float

@@ -14,10 +14,27 @@ Floats = npt.NDArray[np.float64]
 Records = npt.NDArray[np.void]
 Numbers = Union[Floats, Sequence[float]]
 
+
+def _field(name: str) -> Any:
+    """A field whose name NumPy has for something else."""
+    def get(self: Any) -> Any:
+        return self[name] if name in (self.dtype.names or ()) else getattr(super(Struct, self), name)
+
+    return property(get)
+
+
+class Struct(np.record):  # type: ignore[misc]  # NumPy's stubs call its base final
+    """A struct of the library's: its fields are attributes, but for `size`, which is NumPy's own."""
+
+    flags = _field("flags")
+    put = _field("put")
+    device = _field("device")
+
+
 _KINDS = {"I": "u4", "i": "i4", "Q": "u8", "q": "i8", "f": "f4", "d": "f8"}
 
 
-def _dtype(name: str) -> np.dtype[np.record]:
+def _dtype(name: str) -> np.dtype[Struct]:
     size, fields = _dynpoint.fields(name)
     names, formats, offsets = [], [], []
     for field, kind, offset, count in fields:
@@ -27,7 +44,7 @@ def _dtype(name: str) -> np.dtype[np.record]:
         offsets.append(offset)
         formats.append(f"S{count}" if kind == "s" else (_KINDS[kind], (count,)) if count > 1 else _KINDS[kind])
     whole = np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": size})
-    return cast("np.dtype[np.record]", np.dtype((np.record, whole)))
+    return cast("np.dtype[Struct]", np.dtype((Struct, whole)))
 
 
 SEGMENT = _dtype("dpt_segment")
@@ -56,7 +73,7 @@ HOST_INFO = _dtype("dpt_host_info")
 RECORD = _dtype("dpt_record")
 
 
-def room(dtype: np.dtype[np.record]) -> Any:
+def room(dtype: np.dtype[Struct]) -> Any:
     """One struct, whose fields are attributes; to be filled by the library."""
     return np.zeros(1, dtype)
 
