@@ -39,10 +39,11 @@ int file_cut(int file, uint64_t bytes);
 int file_cut_stream(FILE *stream, uint64_t bytes);
 
 /*
- * One lock an open file, whose holder is one descriptor until it is closed, or its program has ended. Returns 0 if it is
- * had, or where the file system has no locks; 1 if another one has it.
+ * Lock a file for one program at a time, until the descriptor in *file is closed, or the program has ended. Returns 0 if
+ * it is had, or where the file system has no locks; and with -1 in *file where there is nothing to lock: no file, or one
+ * without a length, as a pipe. 1: another one has it.
  */
-int file_lock(int file);
+int file_lock(const char *path, int *file);
 
 /* `to` becomes what `from` was, at once: whoever opens it finds the old bytes or the new ones. Returns 0, or -1. */
 int file_replace(const char *from, const char *to);

@@ -148,6 +148,20 @@ class Bulk(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "other settings|these settings"):
             dp.bulk.run("compile", path, table, workers=1, unit="mm")
 
+    def test_Ctrl_C_stops_it_without_a_word_of_its_workers(self):
+        path, table = manifest(self.room, "interrupted")
+        command = [sys.executable, "-m", "dynpoint.bulk", "compile", path, table, "--unit", "m", "--workers", "1"]
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                   start_new_session=True,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        while process.poll() is None and not (table.exists() and table.read_bytes().count(b"\n") > COUNT // 20 + 2):
+            time.sleep(0.001)
+        os.killpg(process.pid, signal.SIGINT)
+        said = process.communicate(timeout=300)[1]
+        self.assertEqual((process.returncode, said), (130, "dynpoint.bulk: stopped; called again, it goes on\n"))
+        self.assertLess(len(dp.bulk.read_table(table)), COUNT)
+        self.judge("interrupted", table, dp.bulk.run("compile", path, table, workers=2, unit="m"))
+
     def test_a_job_that_kills_each_worker_is_named(self):
         jobs = [dp.bulk.Job("compile", (f"{self.room}/in/{i}.obj", f"{self.room}/deadly{i}.dpa"), {"unit": "m"})
                 for i in range(4)]
@@ -253,7 +267,7 @@ class Bulk(unittest.TestCase):
         room = self.room / "alone"
         room.mkdir()
         (room / "list").write_text(f"{self.room}/in/0.obj\t{room}/0.dpa\n", encoding="utf-8")
-        with dp.bulk._alone(room / "list"):
+        with dp.bulk.locked(room / "list"):
             with self.assertRaisesRegex(BlockingIOError, "another call works on this list"):
                 dp.bulk.run("compile", room / "list", room / "table.tsv", workers=1, unit="m")
             ran = subprocess.run([PROGRAM, "compile", "--list", room / "list", "-o", room / "table.tsv"], check=False,
@@ -261,30 +275,50 @@ class Bulk(unittest.TestCase):
             self.assertEqual((ran.returncode, "another dynpoint works on this list" in ran.stderr), (2, True))
         self.assertEqual([path.name for path in room.iterdir()], ["list"])
         self.assertEqual(dp.bulk.run("compile", room / "list", room / "table.tsv", workers=1, unit="m").done, 1)
+        # A pipe is read once, and is nobody's to lock.
+        os.mkfifo(room / "pipe")
+        writer = threading.Thread(target=(room / "pipe").write_text, args=((room / "list").read_text(),))
+        writer.start()
+        piped = [sys.executable, "-m", "dynpoint.bulk", "compile", room / "pipe", room / "table.tsv", "--unit", "m"]
+        ran = subprocess.run(piped, check=False, capture_output=True, text=True, timeout=300)
+        writer.join()
+        self.assertEqual((ran.returncode, "1 of these were there" in ran.stdout), (0, True), ran.stderr)
 
     def test_a_connection_of_dask_s_that_is_lost_is_no_verdict(self):
         room = self.room / "wire"
         room.mkdir()
         wire = Wire({"once": [OSError("the line is dead")], "ever": [OSError("the line is dead")] * 9,
                      "killed": [KilledWorker("died")] * 9, "cancelled": [CancelledError("gone")] * 9})
-        names = ["good", *wire.faults]
+        names = ["good", *wire.faults, "\udcff"]
         lines = [f"{self.room}/in/0.obj\t{room}/{name}.dpa" for name in names]
-        (room / "list").write_text("\n".join(lines), encoding="utf-8")
+        (room / "list").write_text("\n".join(lines), encoding="utf-8", errors="surrogateescape")
         with unittest.mock.patch.object(dp.bulk, "import_module", lambda name: wire):
             first = dp.bulk.run("compile", room / "list", room / "table.tsv", client=wire, unit="m")
-        self.assertEqual([row.verdict for row in first.rows], ["DPT_OK", "DPT_OK", "LOST", "LOST", "LOST"])
+        self.assertEqual([row.verdict for row in first.rows], ["DPT_OK", "DPT_OK", "LOST", "LOST", "LOST", "DPT_OK"])
         self.assertEqual(first.rows[2].note, "OSError: the line is dead")
-        self.assertEqual(wire.sent, {"good": 1, "once": 2, "ever": 2, "killed": 1, "cancelled": 2})
+        self.assertEqual(wire.sent, {"good": 1, "once": 2, "ever": 2, "killed": 1, "cancelled": 2, "\udcff": 1})
         second = dp.bulk.run("compile", room / "list", room / "table.tsv", workers=1, unit="m")
-        self.assertEqual((second.kept, second.done), (2, 5))
+        self.assertEqual((second.kept, second.done), (3, 6))
+
+    def test_a_scheduler_that_is_not_there_is_told(self):
+        for scheduler, said in (("tcp:/x", ""), ("nowhere://a:1", "nowhere")):
+            ran = subprocess.run([sys.executable, "-m", "dynpoint.bulk", "compile", self.room / "program.list", self.room / "none.tsv",
+                                  "--scheduler", scheduler], check=False, capture_output=True, text=True, timeout=300)
+            self.assertEqual((ran.returncode, "Traceback" in ran.stderr), (1, False), ran.stderr)
+            self.assertRegex(ran.stderr, f"dynpoint.bulk: (No module named .distributed|.*{said})")
 
     def test_manifests_that_are_wrong(self):
         for text, why in (("a\n", ":1: a line of compile has 2 cells"), ("", "lists nothing"),
                           ("a.obj\tb.dpa\n\na.obj\tb.dpa\n", ":3: 'b.dpa' is to be written twice"),
-                          ("a.obj\tb.obj\n", "does not end in .dpa")):
+                          ("a.obj\tb.obj\n", "does not end in .dpa"),
+                          ("a.obj\tb.dpa\na.obj\t./b.dpa\n", ":2: './b.dpa' is to be written twice, as in line 1"),
+                          (f"a.obj\tb.dpa\na.obj\t{os.getcwd()}/../{Path.cwd().name}/b.dpa\n", "twice, as in line 1")):
             (self.room / "wrong.list").write_text(text, encoding="utf-8")
             with self.assertRaisesRegex(ValueError, why):
                 dp.bulk.run("compile", self.room / "wrong.list", self.room / "wrong.tsv")
+        (self.room / "wrong.list").write_text("a.dpa\tb.npy\tc.npy\na.dpa\t./c.npy\td.npy\n", encoding="utf-8")
+        with self.assertRaisesRegex(ValueError, ":2: what it writes is read, too, in line 1"):
+            dp.bulk.run("query", self.room / "wrong.list", self.room / "wrong.tsv")
 
 
 class KilledWorker(Exception):
@@ -304,6 +338,7 @@ class Wire:
 
     def submit(self, call, job, key, pure):
         name = Path(job.out).stem
+        key.encode()  # as Dask does, whatever the file is called
         self.sent[name] = self.sent.get(name, 0) + 1
         future = Future()
         future.key = key

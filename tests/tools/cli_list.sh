@@ -81,6 +81,15 @@ if [ "$(column 3 held.tsv | head -n 1)" = DPT_OK ] && [ "$(column 1 held.tsv | w
 refuses 'a list: other settings' 'two.tsv: it is no table of these settings' compile --list manifest -o two.tsv --unit mm
 printf 'in/1.obj\tout/1.dpa\nin/2.obj\tout/1.dpa\n' >twice
 refuses 'a list: one file twice' "'out/1.dpa' is to be written twice" compile --list twice -o x.tsv
+printf 'in/1.obj\tin/1.dpa\nin/2.obj\tin/2.dpa\nin/2.obj\t./in/../in/1.dpa\n' >aliases
+refuses 'a list: one file by two names' "'./in/../in/1.dpa' is to be written twice: it is 'in/1.dpa', too" compile --list aliases -o x.tsv
+mkfifo piped
+timeout 60 sh -c 'head -n 2 manifest >piped' &
+timeout 60 "$program" compile --list piped -o piped.tsv >stdout 2>stderr
+status=$?
+rows=$(column 2 piped.tsv | wc -l)
+if [ $status -eq 0 ] && [ "$rows" -eq 2 ]; then ok; else bad "a list from a pipe: $status, $(cat stdout stderr)"; fi
+wait
 printf 'in/1.obj out/1.dpa\n' >blank
 refuses 'a list: no tab' 'blank:1: a line is IN, a tab, OUT' compile --list blank -o x.tsv
 printf 'in/1.obj\tin/2.obj\n' >source

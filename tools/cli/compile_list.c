@@ -194,6 +194,67 @@ static int ends_in_dpa(const char *path)
     return length > 4 && strcmp(path + length - 4, ".dpa") == 0;
 }
 
+/* Where an output is: its folder, by whatever name, and its name in it. */
+struct place {
+    uint64_t volume, number;
+    const char *name, *out;
+};
+
+/* A folder that is not there is known by its name alone. -1: memory ran out. */
+static int find_place(const char *out, struct place *place)
+{
+    const char *slash = strrchr(out, '/'), *name = slash ? slash + 1 : out;
+    const size_t length = (size_t)(name - out);
+    struct file_status found;
+    char *folder = malloc(length + sizeof "./");
+    if (!folder)
+        return -1;
+    memcpy(folder, length ? out : "./", length ? length : 2);
+    folder[length ? length : 2] = 0;
+    const int is_there = file_get_status(folder, &found) == 0;
+    free(folder);
+    *place = (struct place){ .name = is_there ? name : out, .out = out };
+    if (is_there)
+        place->volume = found.volume, place->number = found.number;
+    return 0;
+}
+
+static int compare_places(const void *a, const void *b)
+{
+    const struct place *one = a, *other = b;
+    if (one->volume != other->volume)
+        return one->volume < other->volume ? -1 : 1;
+    if (one->number != other->number)
+        return one->number < other->number ? -1 : 1;
+    const int order = strcmp(one->name, other->name);
+    return order ? order : strcmp(one->out, other->out);
+}
+
+/* Two outputs that are one file. Returns 0, or 2 after a message. */
+static int refuse_twins(const struct list *list, const char *path)
+{
+    struct place *places = malloc(list->count * sizeof *places);
+    int status = 0;
+    for (size_t i = 0; places && i < list->count; i++)
+        if (find_place(list->jobs[i].out, &places[i])) {
+            free(places);
+            places = NULL;
+        }
+    if (!places)
+        return complain("compile", "%s: out of memory", path);
+    qsort(places, list->count, sizeof *places, compare_places);
+    for (size_t i = 1; !status && i < list->count; i++) {
+        const struct place *one = &places[i - 1], *other = &places[i];
+        if (one->volume == other->volume && one->number == other->number && strcmp(one->name, other->name) == 0)
+            status = strcmp(one->out, other->out) == 0
+                         ? complain("compile", "%s: '%s' is to be written twice", path, one->out)
+                         : complain("compile", "%s: '%s' is to be written twice: it is '%s', too", path, one->out,
+                                    other->out);
+    }
+    free(places);
+    return status;
+}
+
 /* Returns 0, or 2 after a message. */
 static int read_manifest(struct list *list, const char *path)
 {
@@ -233,10 +294,7 @@ static int read_manifest(struct list *list, const char *path)
     }
     if (list->count)
         qsort(list->sorted, list->count, sizeof *list->sorted, compare_outs);
-    for (size_t i = 1; i < list->count; i++)
-        if (strcmp(list->sorted[i - 1]->out, list->sorted[i]->out) == 0)
-            return complain("compile", "%s: '%s' is to be written twice", path, list->sorted[i]->out);
-    return list->count ? 0 : complain("compile", "%s: it lists nothing", path);
+    return list->count ? refuse_twins(list, path) : complain("compile", "%s: it lists nothing", path);
 }
 
 /* ---- The table of results ---- */
@@ -396,8 +454,8 @@ static int compile_alone(const char *manifest, const char *results, const dpt_co
 
 int compile_list(const char *manifest, const char *results, const dpt_compile_def *def)
 {
-    const int held = file_open_read(manifest);
-    const int status = held >= 0 && file_lock(held)
+    int held;
+    const int status = file_lock(manifest, &held)
                            ? complain("compile", "%s: another dynpoint works on this list", manifest)
                            : compile_alone(manifest, results, def);
     if (held >= 0)

@@ -13,7 +13,8 @@
  * A row is added as soon as its file is there. Called again with a table that was cut, or whose files are missing, the
  * rest is done. The table's first line has the settings: a table of other settings is refused.
  *
- * One call at a time: the manifest is locked, and a second call is refused. So is dynpoint.bulk of Python's package.
+ * One call at a time: the manifest is locked, unless it is a pipe, and a second call is refused. So is dynpoint.bulk of
+ * Python's package. An output may be in one line alone, by any name of its folder.
  *
  *   def       its callbacks are not used; `threads` is how many meshes are compiled at one time
  *   results   at the end 0; 1 if some sources were refused; 2 after a message

@@ -87,9 +87,21 @@ int file_open_read(const char *path)
     return open(path, O_RDONLY | O_CLOEXEC);
 }
 
-int file_lock(int file)
+int file_lock(const char *path, int *file)
 {
-    return flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    struct file_status found;
+    *file = -1;
+    if (file_get_status(path, &found) != 0 || !found.is_regular)
+        return 0;
+    /* NFS locks what is open to be written. */
+    *file = open(path, O_RDWR | O_CLOEXEC);
+    if (*file < 0)
+        *file = file_open_read(path);
+    if (*file < 0 || flock(*file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+        return 0;
+    close(*file);
+    *file = -1;
+    return 1;
 }
 
 int file_open_write(const char *path)

@@ -205,12 +205,18 @@ int file_open_read(const char *path)
 }
 
 /* Of a byte far behind what is read: such a lock keeps readers out. */
-int file_lock(int file)
+int file_lock(const char *path, int *file)
 {
     OVERLAPPED at = { .Offset = 0x7FFFFFFE };
-    return !LockFileEx((HANDLE)_get_osfhandle(file), LOCKFILE_EXCLUSIVE_LOCK | LOCKFILE_FAIL_IMMEDIATELY, 0, 1, 0,
-                       &at) &&
-           (GetLastError() == ERROR_LOCK_VIOLATION || GetLastError() == ERROR_IO_PENDING);
+    struct file_status found;
+    *file = file_get_status(path, &found) == 0 && found.is_regular ? file_open_read(path) : -1;
+    if (*file < 0 ||
+        LockFileEx((HANDLE)_get_osfhandle(*file), LOCKFILE_EXCLUSIVE_LOCK | LOCKFILE_FAIL_IMMEDIATELY, 0, 1, 0, &at) ||
+        (GetLastError() != ERROR_LOCK_VIOLATION && GetLastError() != ERROR_IO_PENDING))
+        return 0;
+    _close(*file);
+    *file = -1;
+    return 1;
 }
 
 int file_open_write(const char *path)

@@ -2,6 +2,7 @@
 """Files that are whole when they have their name, the program, and locks."""
 from __future__ import annotations
 
+import errno
 import os
 import re
 import secrets
@@ -42,15 +43,27 @@ def whole(path: PathLike) -> Iterator[Path]:
         raise
 
 
-def lock_file(file: IO[Any]) -> None:
-    """Until it is closed, or the program has ended, nobody else has this lock: file_lock of drivers/platform/file.h. Else
-    BlockingIOError. A file system without locks lets everybody in, and so does Windows here."""
-    if os.name == "nt":
+def _open_to_lock(path: PathLike) -> IO[bytes]:
+    try:
+        return open(path, "r+b")  # NFS locks what is open to be written
+    except OSError:
+        return open(path, "rb")
+
+
+@contextmanager
+def locked(path: PathLike) -> Iterator[None]:
+    """Until the block's end, or the program's, nobody else has this file's lock: file_lock of drivers/platform/file.h.
+    Else BlockingIOError. What has no length, as a pipe, is not locked. A file system without locks lets everybody in, and
+    so does Windows here."""
+    if os.name == "nt" or not Path(path).is_file():
+        yield
         return
     locks: Any = import_module("fcntl")
-    try:
-        locks.flock(file, locks.LOCK_EX | locks.LOCK_NB)
-    except BlockingIOError:
-        raise
-    except OSError:
-        pass
+    with _open_to_lock(path) as file:
+        try:
+            locks.flock(file, locks.LOCK_EX | locks.LOCK_NB)
+        except BlockingIOError:
+            raise BlockingIOError(errno.EAGAIN, "another call works on this list", os.fspath(path)) from None
+        except OSError:
+            pass
+        yield

@@ -18,19 +18,19 @@ the settings; of compile the first four columns are the same, and so are the fil
 from __future__ import annotations
 
 import argparse
-import errno
 import hashlib
 import io
 import json
 import os
 import re
+import signal
 import sys
 import threading
 import time
+import uuid
 import warnings
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing import get_context, parent_process
 from pathlib import Path
@@ -39,7 +39,7 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Seq
 import numpy as np
 
 from . import _dynpoint
-from ._files import PART, lock_file, whole
+from ._files import PART, locked, whole
 from ._device import Device, Scene
 from ._mesh import Mesh, PathLike
 from ._structs import DEVICE_STATE
@@ -185,8 +185,11 @@ def do(job: Job) -> Row:
 # ---- Who works
 
 def _end_with_parent() -> None:
-    """A worker whose parent was killed would wait for it for ever."""
+    """A worker whose parent was killed would wait for it for ever. Ctrl-C ends it as well: what it was at is done
+    again."""
     parent = parent_process()
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(1))
 
     def watch() -> None:
         if parent is not None:
@@ -267,7 +270,7 @@ class _Cluster:
         while waiting or running:
             while waiting and len(running) < room:
                 job = waiting.pop()
-                future = self.client.submit(do, job, key=f"dynpoint-{job.out}-{time.time_ns()}", pure=False)
+                future = self.client.submit(do, job, key=f"dynpoint-{uuid.uuid4()}", pure=False)
                 running[future.key] = job
                 queue.add(future)
             future = next(queue)
@@ -294,20 +297,26 @@ def _read_lines(path: PathLike) -> List[str]:
     return Path(path).read_bytes().decode("utf-8", "surrogateescape").split("\n")
 
 
-@contextmanager
-def _alone(manifest: PathLike) -> Iterator[None]:
-    """One call at a time works on a list; another one, and `dynpoint compile --list`, are refused."""
-    with open(manifest, "rb") as held:
-        try:
-            lock_file(held)
-        except BlockingIOError:
-            raise BlockingIOError(errno.EAGAIN, "another call works on this list", os.fspath(manifest)) from None
-        yield
+class _Places:
+    """Which names are one file's."""
+
+    def __init__(self) -> None:
+        self.folders: Dict[str, str] = {}
+
+    def of(self, path: str) -> str:
+        if os.path.islink(path):
+            return os.path.realpath(path)
+        folder, name = os.path.split(path)
+        if folder not in self.folders:
+            self.folders[folder] = os.path.realpath(folder)
+        return os.path.normcase(os.path.join(self.folders[folder], name))
 
 
 def read_manifest(kind: str, manifest: PathLike, settings: Mapping[str, Any]) -> List[Job]:
     """Its jobs; ValueError with the line that is wrong."""
-    jobs, outs, ending = [], set(), ".dpa" if kind == "compile" else ".npy"
+    jobs, ending, places = [], ".dpa" if kind == "compile" else ".npy", _Places()
+    outs: Dict[str, int] = {}
+    read: Dict[str, int] = {}
     for number, line in enumerate(_read_lines(manifest), 1):
         line = line.removesuffix("\r")
         if not line or line.startswith("#"):
@@ -315,14 +324,17 @@ def read_manifest(kind: str, manifest: PathLike, settings: Mapping[str, Any]) ->
         cells = tuple(line.split("\t"))
         if len(cells) != CELLS[kind] or not all(cells):
             raise ValueError(f"{manifest}:{number}: a line of {kind} has {CELLS[kind]} cells, with tabs between")
-        if cells[1] in outs:
-            raise ValueError(f"{manifest}:{number}: '{cells[1]}' is to be written twice")
+        out = places.of(cells[1])
+        if out in outs:
+            raise ValueError(f"{manifest}:{number}: '{cells[1]}' is to be written twice, as in line {outs[out]}")
         if not cells[1].endswith(ending):
             raise ValueError(f"{manifest}:{number}: '{cells[1]}' does not end in {ending}")
-        if cells[1] in (cells[0], *cells[2:]):
-            raise ValueError(f"{manifest}:{number}: '{cells[1]}' is read, too")
-        outs.add(cells[1])
+        outs[out] = number
+        read.update((places.of(cell), number) for cell in (cells[0], *cells[2:3]))
         jobs.append(Job(kind, cells, settings))
+    for out, number in outs.items():
+        if out in read:
+            raise ValueError(f"{manifest}:{number}: what it writes is read, too, in line {read[out]}")
     if not jobs:
         raise ValueError(f"{manifest}: it lists nothing")
     return jobs
@@ -352,7 +364,8 @@ def read_table(path: PathLike) -> List[Row]:
 
 
 def _write_table(path: PathLike, first: str, jobs: Sequence[Job], rows: Mapping[str, Row]) -> None:
-    _put(os.fspath(path), (first + HEADER + "".join(rows[job.out].text() for job in jobs if job.out in rows)).encode("utf-8", "surrogateescape"))
+    text = first + HEADER + "".join(rows[job.out].text() for job in jobs if job.out in rows)
+    _put(os.fspath(path), text.encode("utf-8", "surrogateescape"))
 
 
 def run(kind: str, manifest: PathLike, results: PathLike, *, workers: Optional[int] = None, client: Any = None,
@@ -365,7 +378,7 @@ def run(kind: str, manifest: PathLike, results: PathLike, *, workers: Optional[i
 
     Rows are added as jobs end, in any order, and sorted as the manifest is in the end. LOST is the verdict of a job whose
     worker died each time."""
-    with _alone(manifest):
+    with locked(manifest):
         return _run(kind, read_manifest(kind, manifest, settings), results, workers, client, settings)
 
 
@@ -432,11 +445,16 @@ def main() -> None:
     settings = {name: _read_word(word) for name, _, word in (item.partition("=") for item in given.set)}
     if given.unit:
         settings["unit"] = given.unit
-    client = import_module("distributed").Client(given.scheduler) if given.scheduler else None
+    client: Any = None
     try:
+        if given.scheduler:
+            client = import_module("distributed").Client(given.scheduler)
         summary = run(given.kind, given.manifest, given.results, workers=given.workers, client=client, **settings)
-    except (OSError, ValueError) as error:
+    except (ImportError, OSError, ValueError) as error:
         sys.exit(f"dynpoint.bulk: {error}")
+    except KeyboardInterrupt:
+        print("dynpoint.bulk: stopped; called again, it goes on", file=sys.stderr)
+        sys.exit(130)
     finally:
         if client is not None:
             client.close()
