@@ -19,6 +19,10 @@ if [ ! -f "$build/venv-python/complete" ]; then
 fi
 site=$PWD/$build/python/site
 rm -rf "$site"
+mkdir "$room/old" && echo '__version__ = "76.1.0"' >"$room/old/setuptools.py"
+PYTHONPATH=$room/old "$python" -B src/bindings/python/setup.py bdist_wheel >"$room/said" 2>&1
+[ $? -eq 1 ] && grep -q 'needs setuptools 77 or newer, and .* has 76.1.0' "$room/said" && ! grep -q Traceback "$room/said"
+verdict $? "an old setuptools is refused in words: $(tail -n 1 "$room/said" | sed 's/, and .*//')"
 make -s wheel PYTHON="$python" CFLAGS_EXTRA=-Werror >"$room/make" 2>&1
 verdict $? "make wheel: $(tail -n 1 "$room/make")"
 log=$build/python/check.log

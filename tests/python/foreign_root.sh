@@ -26,7 +26,8 @@ unpack() {
             liblzma5 libuuid1 libpython3.11-minimal python3.11-minimal libpython3.11-stdlib \
             libjansson4 libjansson-dev libccd2 libccd-dev) &&
         unpack &&
-        python3 -m pip install --quiet --target "$folder/site" --platform manylinux_2_28_aarch64 \
+        python3 -m venv "$folder/pip" &&
+        "$folder/pip/bin/python" -m pip install --quiet --target "$folder/site" --platform manylinux_2_28_aarch64 \
             --platform manylinux_2_27_aarch64 --platform manylinux2014_aarch64 --only-binary=:all: --python-version 3.11 numpy==2.4.6 &&
         touch "$folder/complete"
 } >"$folder/log" 2>&1 && exit 0

@@ -9,6 +9,13 @@ import sys
 import sysconfig
 from pathlib import Path
 
+import setuptools
+
+# As pyproject.toml has it: older ones lack bdist_wheel, or do not know its license.
+if int(setuptools.__version__.split(".")[0]) < 77:
+    sys.exit(f"dynpoint: its package needs setuptools 77 or newer, and {sys.executable} has {setuptools.__version__}: "
+             f"{sys.executable} -m pip install --upgrade setuptools")
+
 from setuptools import Extension, setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
