@@ -25,6 +25,10 @@ class Verdicts(unittest.TextTestResult):
         print(self.errors[-1][1], file=sys.stderr)
         print("FAIL", test._testMethodName.removeprefix("test_").replace("_", " "), self.errors[-1][1].strip().splitlines()[-1], flush=True)
 
+    def addSkip(self, test, reason):
+        super().addSkip(test, reason)
+        print(f"skip {test._testMethodName.removeprefix('test_').replace('_', ' ')}: {reason}", flush=True)
+
 
 def main():
     suite = unittest.defaultTestLoader.loadTestsFromModule(sys.modules["__main__"])
