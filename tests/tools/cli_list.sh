@@ -38,7 +38,7 @@ mkdir -p kept && mv made/* kept
 times=0
 while [ $times -lt 40 ]; do
     "$program" compile --list manifest -o two.tsv -j 2 >stdout 2>stderr &
-    sleep 0.02
+    sleep 0.005
     kill -9 $! 2>/dev/null
     wait $! 2>/dev/null
     [ $? -eq 137 ] || break
