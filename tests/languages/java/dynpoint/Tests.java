@@ -150,9 +150,10 @@ final class Tests {
         scene.close();
         try (Scene endless = new Scene("liver", "sim:?hand=press", 0)) {
             Thread runner = new Thread(() -> {
-                for (long ticks = 0; ticks == 0;) {
+                for (boolean hasRun = false; !hasRun;) {
                     try {
-                        ticks = endless.run();
+                        endless.run();
+                        hasRun = true; // also without a tick, where it was stopped first
                     } catch (IllegalStateException error) {
                         Thread.onSpinWait(); // the other thread was in it: it is our turn next
                     }
