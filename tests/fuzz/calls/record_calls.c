@@ -259,7 +259,7 @@ static void record_some(void)
         pushed += !no_record;
         dropped += result == DPT_E_FULL;
     }
-    const uint32_t size = draw_size(sizeof now, sizeof now);
+    const uint32_t size = draw_one_in(4) ? 4u : draw_size(sizeof now, sizeof now);
     void *out = output_sized(0, size);
     struct codes of_close = { .count = 0 };
     size_codes_of_output(size, sizeof now, 0, &of_close);
