@@ -42,6 +42,7 @@ succeeds 'its replay' replay needle.dpr
 check "other bits: $(cat stdout)" grep -q ': 3000 ticks, all the same bits$' stdout
 
 succeeds 'by name' run needle --device 'sim:?hand=press' --ticks 3000 --record name.dpr
+check "one rupture: $(grep needle: stdout)" grep -q '^  the needle: 1 rupture, at most [0-9.]* mm in$' stdout
 succeeds 'it as a table' record csv name.dpr -o name.csv
 check 'docs/samples/needle.json is the scene needle' cmp -s needle.csv name.csv
 

@@ -215,8 +215,8 @@ static void print_report(const struct session *session, const dpt_loop_stats *s,
     printf("  in contact on %" PRIu64 ", deepest %.2f mm, strongest %.2f N before the guard\n",
            session->host.counts.contacts, 1e3 * session->host.counts.depth_max, session->host.counts.force_max);
     if (session->host.scene.piercing)
-        printf("  the needle: %" PRIu64 " ruptures, at most %.2f mm in\n", session->host.counts.ruptures,
-               1e3 * session->host.counts.needle_depth_max);
+        printf("  the needle: %" PRIu64 " rupture%s, at most %.2f mm in\n", session->host.counts.ruptures,
+               session->host.counts.ruptures == 1 ? "" : "s", 1e3 * session->host.counts.needle_depth_max);
     if (session->host.counts.unknown)
         printf("  unknown on %" PRIu64 ", with --budget %" PRIu32 "\n", session->host.counts.unknown,
                session->host.budget);
