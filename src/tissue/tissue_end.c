@@ -171,9 +171,13 @@ static double least_motion(struct tissue_solve *solve, double unknowns[TOUCH_DIM
 static double gather_at(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool,
                         const struct proxy_pose *at, double reach)
 {
-    struct touch_search search = {
-        .world = world, .tool = tool, .proxy = proxy_of(world, tool), .at = at, .reach = reach, .work = &solve->work
-    };
+    struct touch_search search = { .world = world,
+                                   .tool = tool,
+                                   .proxy = proxy_of(world, tool),
+                                   .at = at,
+                                   .reach = reach,
+                                   .least = reach,
+                                   .work = &solve->work };
     double least = HUGE_VAL;
     solve->room.count = 0;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {

@@ -192,6 +192,7 @@ struct tissue_solve {
     uint32_t tick;       /* the world's, in which its answer was told */
     uint32_t repeats;    /* how often in a row the answer was the same */
     uint32_t is_full; /* 1: touches or nodes had no room, too many held at one time, or one could be met by no push */
+    uint32_t is_cut;  /* 1: a device leapt past more surface than a tick has time for */
     struct tissue_body bodies[TISSUE_BODIES_MAX];
     struct tissue_tool tools[TISSUE_TOOLS_MAX];
     double told[TISSUE_TOOLS_MAX][TOUCH_DIMENSIONS]; /* what each tool felt then */

@@ -53,10 +53,11 @@ static double ahead_of(const struct tissue_solve *solve, const struct tissue_bod
     return solve->step * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
 }
 
-/* The touches of a tool and the bodies of the solve, or the other bodies. */
-static void gather_from(struct tissue_solve *solve, struct touch_search *search, int is_solved)
+/* The touches of a tool and the bodies of the solve, or the other bodies. Returns 0 if they are not all. */
+static int gather_from(struct tissue_solve *solve, struct touch_search *search, int is_solved)
 {
     struct dpt_world *world = search->world;
+    int is_whole = 1;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         search->body = &world->bodies[i];
         const struct tissue_body *solved = solved_body(solve, search->body);
@@ -64,7 +65,21 @@ static void gather_from(struct tissue_solve *solve, struct touch_search *search,
         search->ahead = search->springs ? ahead_of(solve, solved) : 0.0;
         if (body_is_there(search->body) && !is_solved == !solved &&
             !(world->channels && dpti_is_inserted_in(world, search->tool, search->body->id)))
-            dpti_touches_gather(search, &solve->touches);
+            is_whole &= dpti_touches_gather(search, &solve->touches);
+    }
+    return is_whole;
+}
+
+/* The same, and of a leap as far as there is time for. */
+static void gather_in_time(struct tissue_solve *solve, struct touch_search *search, int is_solved)
+{
+    const uint32_t touches = solve->touches.count, is_full = solve->touches.is_full, vertices = solve->vertices.count;
+    while (!gather_from(solve, search, is_solved)) {
+        solve->touches.count = touches;
+        solve->touches.is_full = is_full;
+        solve->vertices.count = vertices;
+        solve->is_cut = 1;
+        search->reach = search->least + 0.25 * (search->reach - search->least);
     }
 }
 
@@ -105,7 +120,8 @@ static double motion_of(const struct tool *tool, const struct proxy *proxy)
     return way_of(proxy, &moved) + way_of(proxy, &proxy->end_motion);
 }
 
-static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach)
+static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach,
+                        double least)
 {
     const uint32_t first = solve->touches.count, shafts = solve->shaft_count;
     const struct proxy *proxy = proxy_of(world, tool);
@@ -116,6 +132,7 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
                                    .at = &made->at,
                                    .vertices = &solve->vertices,
                                    .reach = reach + motion_of(tool, proxy),
+                                   .least = least,
                                    .work = &solve->work };
     *made = (struct tissue_tool){ .slot = (uint32_t)(tool - world->tools),
                                   .is_sliding = proxy->is_sliding,
@@ -126,13 +143,13 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     dpti_shafts_gather(solve, &search, 0);
     const uint32_t stepped = solve->touches.count;
     dpti_shafts_gather(solve, &search, 1);
-    gather_from(solve, &search, 1);
+    gather_in_time(solve, &search, 1);
     if (solve->touches.count == stepped) {
         solve->touches.count = first;
         solve->shaft_count = shafts;
         return;
     }
-    gather_from(solve, &search, 0);
+    gather_in_time(solve, &search, 0);
     unknowns_of(made, &tool->pose, made->device);
     unknowns_of(made, &proxy->end, made->begin);
     memcpy(made->end, made->begin, sizeof made->end);
@@ -140,9 +157,10 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     solve->tool_count++;
 }
 
-void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach)
+void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach, double least)
 {
-    solve->touches.count = solve->touches.is_full = solve->tool_count = solve->vertices.count = solve->shaft_count = 0;
+    solve->is_cut = solve->touches.count = solve->touches.is_full = solve->tool_count = solve->vertices.count =
+        solve->shaft_count = 0;
     solve->world = world;
     solve->is_touched = 0;
     for (uint32_t t = 0; t < world->tool_slot_end; t++)
@@ -153,7 +171,7 @@ void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, dou
             if (solve->tool_count == TISSUE_TOOLS_MAX)
                 solve->is_full = 1;
             else
-                gather_tool(solve, world, &world->tools[t], reach);
+                gather_tool(solve, world, &world->tools[t], reach, least);
         }
 }
 

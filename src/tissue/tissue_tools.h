@@ -5,8 +5,11 @@
 
 #include "tissue/tissue_state.h"
 
-/* All tools whose proxies are within `reach`, m, of a body of the solve, and their touches. */
-void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach);
+/*
+ * All tools whose proxies are within `reach`, m, and their own motion, of a body of the solve, and their touches. Where a
+ * device leaps past so much surface that a tick has no time for it, they are those that are nearer, at least within `least`, and solve->is_cut is 1.
+ */
+void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach, double least);
 
 /* How many substeps dt has for the bodies of the solve. */
 uint32_t dpti_tissue_substeps(const struct tissue_solve *solve, double dt);

@@ -20,6 +20,12 @@
 /* The share of a tool's radius that a surface is foreseen to move at most: on which side it lies must stay known. */
 #define AHEAD_MAX 0.25
 
+/*
+ * Units that a tick has time for where a device leaps: 1,024 triangles. Those within the tool's radius beyond what counts
+ * without the leap are all looked at.
+ */
+#define LEAP_WORK (1024u * PAIR_FEATURES)
+
 /* A part of the tool, in the body's frame. */
 struct touching_part {
     const struct touch_search *search;
@@ -32,6 +38,7 @@ struct touching_part {
     struct hull_place hull;    /* of a tip */
     struct touch_patch *patch; /* NULL: pairs alone */
     int has_more;              /* 1: there was no room for all of its vertices */
+    int is_cut;                /* 1: more than is to be looked at */
     vec3 v[3], moved[3]; /* corners of the triangle where they are foreseen, and how far that is from where they are */
 };
 
@@ -76,18 +83,24 @@ static int has_twin(const struct touches *touches, const struct touch *touch)
     return 0;
 }
 
+static uint32_t widest_of(const struct touches *touches)
+{
+    uint32_t widest = 0;
+    for (uint32_t i = 1; i < touches->count; i++)
+        if (touches->touch[i].gap > touches->touch[widest].gap)
+            widest = i;
+    return widest;
+}
+
 /* Where there is no room, the widest gap makes room. */
 static void put(struct touches *touches, const struct touch *touch)
 {
-    uint32_t widest = 0;
     if (touches->count < TOUCHES_MAX) {
         touches->touch[touches->count++] = *touch;
         return;
     }
     touches->is_full = 1;
-    for (uint32_t i = 1; i < touches->count; i++)
-        if (touches->touch[i].gap > touches->touch[widest].gap)
-            widest = i;
+    const uint32_t widest = widest_of(touches);
     if (touches->touch[widest].gap > touch->gap)
         touches->touch[widest] = *touch;
 }
@@ -253,7 +266,7 @@ static void gather_near(struct touching_part *part, const struct tip *tip)
 {
     const struct touch_search *search = part->search;
     const struct surface *surface = &search->body->surface;
-    struct work work = work_of(WORK_UNLIMITED);
+    struct work work = work_of(search->reach > search->least + part->radius ? LEAP_WORK : WORK_UNLIMITED);
     struct range range;
     int may_touch;
     const uint32_t pairs =
@@ -261,7 +274,8 @@ static void gather_near(struct touching_part *part, const struct tip *tip)
     const double reach =
         max_of(search->reach, part->patch ? part->patch->near : 0.0) + part->radius + (tip ? tip->hull->reach : 0.0);
     dpti_range_begin(&range, surface, &search->world->kernel, part->a, part->u, reach, &work);
-    while (!part->has_more && (part->triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE) {
+    while (!part->has_more && !work_is_spent(&work) &&
+           (part->triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE) {
         set_corners(part);
         if (tip)
             dpti_hull_features(&part->hull, part->v, search->reach + (1.0 + AHEAD_MAX) * part->radius, add_of_hull,
@@ -271,6 +285,7 @@ static void gather_near(struct touching_part *part, const struct tip *tip)
         work_spend(&work, pairs);
     }
     work_spend(search->work, work.done);
+    part->is_cut |= work_is_spent(&work);
 }
 
 /* Where there are too many vertices, every second one counts, or every fourth. */
@@ -303,7 +318,7 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
             put_vertices(part, i);
 }
 
-void dpti_touches_gather(const struct touch_search *search, struct touches *touches)
+int dpti_touches_gather(const struct touch_search *search, struct touches *touches)
 {
     const struct frame *body = &search->body->frame;
     struct touching_part part = { .search = search,
@@ -323,4 +338,5 @@ void dpti_touches_gather(const struct touch_search *search, struct touches *touc
         }
         gather_part(&part, of.tip);
     }
+    return !part.is_cut;
 }

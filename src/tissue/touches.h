@@ -55,14 +55,15 @@ struct touch_search {
     struct touch_vertices *vertices;   /* NULL: pairs alone */
     double reach;
     double ahead;
-    struct work *work; /* what is looked at is counted, and bounded by nothing */
+    double least; /* m: within it all is looked at; what is beyond it by the tool's radius, only if a tick has time */
+    struct work *work; /* what is looked at is counted */
 };
 
 /* How a point of the tool, at `place` in the world, moves along a unit vector with the unknowns of the proxy's motion. */
 void dpti_touch_lever(const struct proxy *proxy, const struct proxy_pose *at, const vec3 axes[3], vec3 place,
                       vec3 along, double lever[TOUCH_DIMENSIONS]);
 
-/* Add them. */
-void dpti_touches_gather(const struct touch_search *search, struct touches *touches);
+/* Add them. Returns 0 if they are not all: there was no time for all within reach. */
+int dpti_touches_gather(const struct touch_search *search, struct touches *touches);
 
 #endif

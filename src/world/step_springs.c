@@ -119,6 +119,12 @@ static double reach_of(const struct tissue_solve *solve, double dt)
     return REACH + sqrt((double)square) * dt;
 }
 
+static void gather(struct tissue_solve *solve, struct dpt_world *world, double dt)
+{
+    const double reach = reach_of(solve, dt);
+    dpti_tissue_gather(solve, world, reach, reach);
+}
+
 static int is_solved_for(const void *user, uint32_t tool_slot)
 {
     const struct tissue_solve *solve = user;
@@ -187,13 +193,14 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
     dpti_tissue_link(solve);
     for (uint32_t i = 0; i < substeps && is_done; i++) {
         double farthest = dpti_tissue_solve(solve);
-        for (int again = 0; i == 0 && farthest > reach && again < GATHERED_AGAIN; again++) {
+        for (int again = 0; i == 0 && farthest > reach && !solve->is_cut && again < GATHERED_AGAIN; again++) {
             if (work_is_spent(&solve->work)) {
                 solve->is_full = 1;
                 break;
             }
+            const double least = reach;
             reach = 2.0 * farthest;
-            dpti_tissue_gather(solve, world, reach);
+            dpti_tissue_gather(solve, world, reach, least);
             dpti_tissue_link(solve);
             farthest = dpti_tissue_solve(solve);
         }
@@ -254,7 +261,7 @@ static void cut_step(struct tissue_solve *solve, struct dpt_world *world, const 
                            !had_moved[b]);
     }
     solve->step *= 0.5;
-    dpti_tissue_gather(solve, world, reach_of(solve, solve->step));
+    gather(solve, world, solve->step);
 }
 
 /* What tools do to a body whose physics is somebody else's joins the mean of its loads. */
@@ -404,7 +411,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
         own->dt = own->step = dt;
         own->work = work_of(world->def.budget ? world->def.budget : WORK_UNLIMITED);
         take_body(own, world, list, i);
-        dpti_tissue_gather(own, world, reach_of(own, dt));
+        gather(own, world, dt);
         if (!own->touches.count)
             continue;
         solve = solve ? solve : own;
@@ -422,7 +429,7 @@ static struct tissue_solve *begin_solve(struct dpt_world *world, const struct st
         work_spend(&solve->work, own == solve ? 0 : own->work.done);
         take_body(solve, world, list, touched[i]);
     }
-    dpti_tissue_gather(solve, world, reach_of(solve, dt));
+    gather(solve, world, dt);
     return solve;
 }
 

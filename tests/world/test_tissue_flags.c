@@ -325,6 +325,49 @@ static void a_budget_bounds_the_solve(void)
     tissue_rig_close(&small);
 }
 
+/*
+ * A device that leaps across the whole body, as the first sample or one after a gap in the line may be: the tick looks at a
+ * part of the surface alone, and the tool comes to rest where one that came slowly does.
+ */
+static void a_leap_is_answered_in_time(void)
+{
+    enum { FEATURES = 15, TRIANGLES = 8192 };
+    struct tissue_def def = tissue_sheet();
+    double held = 0.0;
+    def.triangles = TRIANGLES;
+    def.drag = 50.0;
+    def.integrator = DPT_INTEGRATOR_IMPLICIT;
+    for (int kind = 0; kind < 3; kind++) { /* slowly, out of the air, from where it touches */
+        struct tissue_rig tissue;
+        uint32_t most = 0;
+        tissue_rig_open(&tissue);
+        if (!tissue_rig_add_soft(&tissue, &def))
+            return;
+        struct tissue_tool *tool = tissue_rig_add_tool(&tissue, &lying, 500.0);
+        double *position = tool->device.position;
+        const double low = tissue.body[0].top - 0.005;
+        position[2] = tissue.body[0].top + (kind == 1 ? 0.25 : 0.005);
+        tissue_rig_place(&tissue);
+        for (int t = 0; t < 2000; t++) {
+            if (kind == 1)
+                position[2] = t ? low : position[2];
+            else
+                position[2] = fmax(low, position[2] - 4e-5);
+            if (kind == 2)
+                position[0] = t == 300 ? 0.4 : 0.0;
+            tissue_rig_tick(&tissue);
+            most = tissue.info[0].work > most ? tissue.info[0].work : most;
+        }
+        const double force = tool->force.wrench.force[2];
+        if (kind)
+            CHECK(most < FEATURES * TRIANGLES, "case %d: %u units in a tick", kind, most);
+        else
+            held = force;
+        CHECK(held > 0.02 && fabs(force - held) <= 0.02 * held, "case %d: %g N, slowly %g", kind, force, held);
+        tissue_rig_close(&tissue);
+    }
+}
+
 /* A node that carries the body's outermost vertex along y, away from the tool. */
 static uint32_t node_at_side(const struct tissue_body *body)
 {
@@ -458,6 +501,7 @@ int main(int argc, char **argv)
     TEST(it_says_where_a_step_ended);
     TEST(too_many_weights_are_told);
     TEST(a_budget_bounds_the_solve);
+    TEST(a_leap_is_answered_in_time);
     TEST(a_body_that_fails_is_held_alone);
     TEST(a_vertex_stays_in_its_box);
     return check_report();
