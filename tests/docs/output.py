@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """output.py BUILD: docs/output.md has a row for each reason, flag, status and error of the headers, with its number, and
-names each column that the program writes. Whether the rows tell the truth it cannot say."""
+names each column that the program writes; docs/abi.md has each format's version. Whether the rows tell the truth it cannot
+say."""
 import re
 import subprocess
 import sys
@@ -12,6 +13,16 @@ from verdicts import Verdicts
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/output.md").read_text(encoding="utf-8")
+ABI_PAGE = (ROOT / "docs/abi.md").read_text(encoding="utf-8")
+# Of each format on that page the source with its version.
+VERSIONS = {
+    "compiled mesh, `.dpa`": ("src/mesh/mesh_format.h", r"MESH_VERSION +(\d+)u"),
+    "compiled arm, `.dpa`": ("src/arm/arm_format.h", r"ARM_VERSION (\d+)u"),
+    "recording, `.dpr`": ("src/exchange/record.c", r"\bVERSION = (\d+)"),
+    "snapshot": ("src/exchange/snapshot_format.h", r"SNAPSHOT_VERSION = (\d+)"),
+    "serial protocol": ("drivers/serial/wire.h", r"WIRE_VERSION +(\d+)"),
+    "driver (`DPT_DRIVER_VERSION`)": ("include/dynpoint/driver.h", r"DPT_DRIVER_VERSION (\d+)"),
+}
 WANTED = r"(DPT_(?:FORCE|STATUS|HIT_FLAG|STEP_FLAG|E)_[A-Z_]+|DPT_OK)"
 
 
@@ -24,6 +35,11 @@ def names():
         found.update(re.findall(rf"^enum {{ {WANTED} = (\d+)", text, re.M))
         found.update(re.findall(rf"X\({WANTED}, +(-?\d+),", text))
     return found
+
+
+def kept_versions():
+    return {row: int(re.search(pattern, (ROOT / source).read_text(encoding="utf-8")).group(1))
+            for row, (source, pattern) in VERSIONS.items()}
 
 
 def columns(program, room):
@@ -63,6 +79,8 @@ def main():
     verdict(not missing, f"each has its row and number {' '.join(missing)}")
     strange = set(re.findall(WANTED, PAGE)) - set(numbers)
     verdict(not strange, f"and the page names no other {' '.join(sorted(strange))}")
+    told, kept = {row: int(version) for row, version in re.findall(r"^\| ([^|]+?) \| (\d+) \|", ABI_PAGE, re.M)}, kept_versions()
+    verdict(len(kept) == 6 and told == kept, f"docs/abi.md has the versions of the sources {told} {kept}")
     with tempfile.TemporaryDirectory() as room:
         for section, written in columns(Path(sys.argv[1]).resolve() / "dynpoint", room):
             lost, extra = set(written) - named(section), named(section) - set(written)

@@ -124,13 +124,13 @@ EOF
     wait
 fi
 
-zig=build/venv-platforms/bin/python
+zig=$PWD/build/venv-platforms/bin/python
 if [ ! -x "$zig" ]; then
     skip "Windows by zig: no ziglang (make deps platforms)"
 else
     made=$PWD/$build/zig-windows
     mkdir -p "$made"
-    make -s -j"${JOBS:-2}" B="$made" CC="$PWD/$zig -m ziglang cc -target x86_64-windows-gnu" AR="$PWD/$zig -m ziglang ar" CFLAGS=-O1 \
+    make -s -j"${JOBS:-2}" B="$made" CC="$zig -m ziglang cc -target x86_64-windows-gnu" AR="$zig -m ziglang ar" CFLAGS=-O1 \
         URDF=no CONVEX=no JANSSON=no LWS=no VIEW_PAGE=no all >"$scratch/zig.out" 2>&1
     verdict $? "zig builds the program and the libraries for Windows"
     wrong=0
@@ -144,6 +144,9 @@ else
     verdict $? "its program replays this machine's recording: all the same bits"
     timeout 120 wine "$made/dynpoint.exe" compile "$scratch/liver.obj" -o "$scratch/zig.dpa" >"$scratch/out" 2>&1 && cmp "$scratch/zig.dpa" "$scratch/liver.dpa"
     verdict $? "and compiles the same bytes"
+    (cd build/amalgamation && "$zig" -m ziglang cc -target x86_64-windows-gnu -O0 -c dynpoint.c -o "$scratch/zig.o" &&
+        "$zig" -m ziglang cc -target x86_64-windows-gnu -O0 -c dynpoint_compile.c -o "$scratch/zig.o") >"$scratch/zig.out" 2>&1
+    verdict $? "and the single files"
 fi
 timeout 60 wineserver -k >/dev/null 2>&1
 finish
