@@ -2,9 +2,8 @@
 /*
  * dynpoint: let a line-shaped tool feel triangle meshes in a haptic loop.
  *
- * The core, libdynpoint. It never allocates, prints, waits, locks or reads a clock, and it keeps no
- * global state: the caller brings every block of memory. The offline compiler has a header of its
- * own, <dynpoint/compile.h>.
+ * The core, libdynpoint. It never allocates, prints, waits, locks or reads a clock, and it keeps no global state: the
+ * caller supplies every block of memory. The offline compiler has a header of its own, <dynpoint/compile.h>.
  */
 #ifndef DYNPOINT_H
 #define DYNPOINT_H

@@ -5,18 +5,18 @@
  * Stability: from 0.3 on, exported symbols, constants and structs only grow; the soname is 1, and the symbols' version
  * DYNPOINT_0_3. Only baseline.h is experimental. The loader refuses a program that was linked to 0.1 or 0.2.
  *
- * Names and lifetimes: one pattern for all nouns; the headers tell only what is special.
+ * Names and lifetimes: all nouns follow one pattern. A header describes only what differs from it.
  *
  *     dpt_NOUN_def_init          fills a dpt_NOUN_def with the defaults
  *     dpt_NOUN_bytes, _create    the bytes that a noun needs, and a noun in a block of yours. There is no destroy: free
  *                                the block when the noun is no longer used. Until then the block stays where it is
- *     dpt_NOUN_init              begins a struct that is wholly yours. There is no end
+ *     dpt_NOUN_init              prepares a struct in your own memory. There is nothing to close
  *     dpt_NOUN_open, _close      a noun that holds memory or system resources of its own: close it. An open of bytes (a
- *                                mesh, an arm) holds nothing and has no close: it looks into your bytes, which stay
+ *                                mesh, an arm) holds nothing and has no close: it uses your bytes where they are
  *     dpt_NOUN_add, _remove      a member of a world, by its id
  *     dpt_compiled_free          frees what a compiler made
- *     dpt_NOUN_get_..., _set_... read and change. _get_info fills a dpt_NOUN_info, what is so now; _get_counts a
- *                                dpt_NOUN_counts, whose numbers run on
+ *     dpt_NOUN_get_..., _set_... read and change. _get_info fills a dpt_NOUN_info, the present state; _get_counts a
+ *                                dpt_NOUN_counts, numbers that only grow
  *     dpt_NOUN_is_...            1 or 0
  *
  * Sizes: a struct that may grow begins with `uint32_t size`. The caller sets it to sizeof. In an array, the size of the

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Bodies of a world: what tools feel. A rigid body is a mesh at a pose. A deformable one is a mesh whose vertices you move:
- * topology is the mesh's, positions are the body's own, in float, in a block that you supply. Nearest pairs, sweeps,
- * contacts, strips and forces are as exact as on a rigid body, at the positions of that tick. docs/algorithms/deform.md.
+ * Bodies of a world: the objects that tools touch. A rigid body is a mesh at a pose. A deformable body is a mesh whose
+ * vertices you move: it takes the topology from the mesh, and has its own positions, in float, in a block that you
+ * supply. Nearest pairs, sweeps, contacts, strips and forces are as exact as on a rigid body, at the positions of that
+ * tick. docs/algorithms/deform.md.
  *
  *     dpt_deformable_def def;
  *     dpt_deformable_def_init(&def);

@@ -9,12 +9,13 @@
  * calling thread does its work. The progress callback is called from the calling thread.
  *
  * Formats: OBJ (faces with v, v/vt, v//vn, v/vt/vn, negative indices, polygons), STL (ASCII and binary), PLY (ASCII,
- * little- and big-endian) and OFF. Reading numbers does not depend on the locale. VTK, glTF, 3MF, COLLADA, Gmsh and gzip are
- * known by their content, and refused by name (DPT_E_FORMAT; docs/algorithms/compile.md#other-formats).
+ * little- and big-endian) and OFF. Reading numbers does not depend on the locale. Files of VTK, glTF, 3MF, COLLADA, Gmsh
+ * and gzip are recognised by their content and refused; the error names the format (DPT_E_FORMAT;
+ * docs/algorithms/compile.md#other-formats).
  *
- * Polygons: one of n corners is n - 2 triangles, in its place. Convex ones are a fan of their first corner, concave ones are
- * cut by their ears. One that crosses itself, or has a corner farther from its best plane than a tenth of its box's
- * diagonal, is a fan, and noted.
+ * Polygons: a polygon with n corners becomes n - 2 triangles, at its place in the order. A convex polygon becomes a fan
+ * around its first corner; a concave one is divided by ear clipping. A polygon that crosses itself, or has a corner
+ * farther from its best plane than a tenth of the diagonal of its box, becomes a fan, and a note says so.
  *
  * Repairs: the compiler repairs only what follows, and reports it in dpt_mesh_info. It joins equal vertices. It drops
  * degenerate and duplicate triangles. It winds each part that has an inside one way: outward, or inward for the wall of

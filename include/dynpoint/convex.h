@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * libdynpoint_convex: curved tips of tools, such as a cone, an ellipsoid or a needle's bevel, and how deep they are in a
- * mesh (docs/algorithms/convex.md). It asks libccd, and checks each of its answers. It is for laws without a proxy, and a
- * second opinion on hulls (hull.h), which are exact and can rest a proxy.
+ * mesh (docs/algorithms/convex.md). It uses libccd, and checks each of its answers. Use it for laws without a proxy, or
+ * as a second opinion on hulls (hull.h). Hulls are exact, and they work with a proxy.
  *
- * It is outside of two promises that the core makes: its answers need not have the same bits on every machine, and it
- * allocates from the heap. It prints nothing.
+ * Two promises of the core do not hold for it: its answers may have other bits on another machine, and it allocates from
+ * the heap. It prints nothing.
  *
  * Threads: every function may be called from any thread. A dpt_convex_shaper belongs to the thread of its world.
  */

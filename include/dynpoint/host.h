@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * libdynpoint_host: a scene that is felt with a device, and safely so. It opens the scene (a name, a scene file, a
- * compiled mesh or arm) and the device, chooses the stiffest coupling that the device can hold, takes away what energy
- * the scene would give a hand, and stands with a guard before the motors: what `dynpoint run` does, as a library.
+ * libdynpoint_host: feel a scene with a device, safely. It does what `dynpoint run` does, as a library. It opens the
+ * scene (a name, a scene file, a compiled mesh or arm) and the device, and chooses the stiffest coupling that the device
+ * can hold. A passivity controller removes energy that the scene would add to the hand, and a guard limits what reaches
+ * the motors.
  *
  *     dpt_host_def def;
  *     dpt_host *host;
@@ -15,7 +16,7 @@
  *     dpt_host_run(host, NULL, &error);        returns after dpt_host_stop(host), or when the device is lost
  *     dpt_host_close(host, NULL);
  *
- * The loop may be yours: leave `device` NULL, describe it in `info`, and call dpt_host_tick with each sample.
+ * To run a loop of your own, leave `device` NULL, describe the device in `info`, and call dpt_host_tick with each sample.
  *
  * Units are SI, in the scene's metres; the device's are the hand's (docs/scene.md, docs/drivers.md).
  *

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Hulls: convex polyhedra with rounded edges, the tips of tools (docs/algorithms/tips.md). A hull is all that lies
- * within `radius` of the convex hull of some corners. It lives in memory that the caller supplies. After it was created
- * it does not change.
+ * Hulls: convex polyhedra with rounded edges, the tips of tools (docs/algorithms/tips.md). A hull is all that lies within
+ * `radius` of the convex hull of some corners. It lives in memory that the caller supplies, and does not change after it
+ * was created.
  *
  *     double corners[3 * DPT_HULL_CORNERS_MAX];
  *     uint32_t count;

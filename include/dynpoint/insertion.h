@@ -17,21 +17,21 @@
  * and within twice that of the mouth along it, and where it leans from the line by a cosine of 0.9 or more. One that is
  * in another channel goes in where the hole lies on its line within a tenth of its radius.
  *
- * Of a body, what the needle's straight cylinder cuts in walls that have ruptured is open to it, and nothing else.
- * Needles do not bend.
+ * In a body, the needle can pass only where its straight cylinder cuts walls that have ruptured. Needles do not bend.
  *
  * A body that gives way is pierced if it has springs or a compliance (body.h). Step it with dpt_bodies_step_springs: needle,
  * coupling and tissue are then solved together. A hole moves with the tissue at its entry. Where a rigid body's channel keeps
  * its line, the shaft in tissue is held at points that move with it; entered again, the hole takes the tool as it points.
  *
- * A tool leaves all its channels as by a teleport where bodies move so that its line cannot follow
- * (DPT_FORCE_FLAG_SQUEEZED): another body meets its shaft, or its tip where that cannot go back along the line; two
- * bodies that it is in move aside of each other by a tenth of its radius; or a budget ends the search for what bodies
- * that move meet. Then it counts as inside until it has been outside. A hole ends with its body, which a teleport of the
- * body ends too, and with its tool or that tool's size (dpt_tool_set_segments). dpt_world_reset closes all holes.
+ * If bodies move so that the tool's line cannot follow, the tool leaves all its channels, as by a teleport
+ * (DPT_FORCE_FLAG_SQUEEZED). This happens in three cases: another body meets its shaft, or its tip where that cannot go
+ * back along the line; two bodies that it is in move sideways to each other by a tenth of its radius; or a budget ends
+ * the search for what moving bodies meet. After that the tool counts as inside until it has been outside. A hole ends
+ * with its body, which a teleport of the body ends too, and with its tool or that tool's size (dpt_tool_set_segments).
+ * dpt_world_reset closes all holes.
  *
- * A wall ruptures when all walls behind it are found (insertion.md has what that takes). A small budget takes several
- * steps for that. Until then it holds, with DPT_FORCE_FLAG_BEHIND.
+ * A wall ruptures only after all walls behind it have been found (insertion.md says how much work this is). With a small
+ * budget this takes several steps. Until then the wall holds, with DPT_FORCE_FLAG_BEHIND.
  *
  * Threads: as for the world.
  */

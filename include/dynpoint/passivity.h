@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A hand must not get more energy out of a scene than it put in. An observer keeps an account of the energy that goes
- * through a device, and a controller takes force away when the account is overdrawn (docs/algorithms/passivity.md). It
+ * A hand must not get more energy out of a scene than it put in. An observer adds up the energy that flows through a
+ * device, and a controller reduces the force when more has come out than went in (docs/algorithms/passivity.md). It
  * stands between the force law and the guard:
  *
  *     couple -> passivity -> clamp -> slew -> device
@@ -10,8 +10,8 @@
  *     dpt_passivity_init(&passivity, &def);
  *     each tick:    dpt_passivity_step(&passivity, &sample, &wrench);
  *
- * All is that of the hand: metres of the hand, the wrench that the device gives. Translation and rotation share one
- * account, because they exchange energy; apart, each would report falsely.
+ * All quantities are measured at the hand: its motion in metres, and the wrench that the device gives. Translation and
+ * rotation share one account, because they exchange energy; with two accounts each would be wrong.
  *
  * Pure: no device, no clock, the memory is the caller's. Threads: one belongs to one thread at a time.
  */

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * Recordings of a haptic loop: what a device told, what was asked of it, what acted, and what the tool touched, tick by
- * tick. Here is the format (docs/format.md): a header, then records, each with a running number and a checksum of its
- * own. A recording can be read up to wherever it ends, and damage is found at its byte.
+ * Recordings of a haptic loop, tick by tick: the state that the device reported, the wrench that the scene asked for, the
+ * wrench that acted, and what the tool touched. This header has the format (docs/format.md): a file header, then records,
+ * each with a running number and a checksum. An incomplete recording can be read up to its end, and damage is reported
+ * with its byte.
  *
  * These functions turn structs into bytes and back, in the caller's memory. recorder.h has a thread that writes a file.
  *

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * Tips of tools: convex bodies at the end of a tool's segments, such as a blade, a needle's bevel or a jaw
- * (docs/algorithms/tips.md). A tip is a hull at a pose in the tool's frame. It moves with the tool, and the tool's proxy
- * goes through nothing with its tips either. The pose may change from step to step.
+ * (docs/algorithms/tips.md). A tip is a hull at a pose in the tool's frame. It moves with the tool, and the tips of the
+ * proxy do not go through a surface either. The pose of a tip may change from step to step.
  *
  * Tips are numbered after the tool's segments: in hits and contacts `segment` of the first tip is the number of the
  * tool's segments. dpt_tool_get_segment_hit takes that number too.

@@ -4,11 +4,11 @@
  * reads through urdfdom and needs libdynpoint_compile. It allocates from the heap and prints nothing. What urdfdom logs
  * as a warning or an error is an error here. Reading numbers does not depend on the locale.
  *
- * Threads: every function may be called from any thread. One file is read at a time; other calls wait.
+ * Threads: every function may be called from any thread. Only one call reads a file at a time; other calls wait.
  *
  * Arm: the revolute, continuous and prismatic joints between the root and the tool's link, and the joints that these
- * mimic: 1 to 8 in all. Fixed joints make one link of two. A floating or planar joint between root and tool is an
- * error. Links elsewhere that move with the arm are in it too, because their masses must be held up. Any other joint is
+ * mimic: 1 to 8 in all. Fixed joints make one link of two. A floating or planar joint between root and tool is an error.
+ * The arm also contains other links that move with it, because the motors must carry their weight. Any other joint is
  * held still and noted: at 0, or at its limit nearest to 0; so is a joint below the tool, if no collision shape is behind
  * it.
  *

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A world: bodies (body.h), tools (tool.h), and the step that lets one feel the other. It lives in one block of memory that the caller
- * supplies. Nothing here allocates, waits or locks.
+ * A world: bodies (body.h), tools (tool.h), and the step that computes what the tools feel. It lives in one block of
+ * memory that the caller supplies. Nothing here allocates, waits or locks.
  *
  *     dpt_world_def def;
  *     dpt_world_def_init(&def);

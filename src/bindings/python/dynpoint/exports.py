@@ -63,13 +63,13 @@ FIELDS: Dict[str, Tuple[str, str, str]] = {
     "proxy": ("m; quaternion w, x, y, z", "world", _HOST),
     "distance": ("m", "world", _HOST),
     "gap": ("m", "world", _HOST + "; valid if hit_flags has bit 0"),
-    "energy": ("J", "", "that the law stores: " + _HOST),
+    "energy": ("J", "", "energy that the law stores: " + _HOST),
     "lag": ("m", "world", "how far the proxy still is from its rest: " + _HOST),
     "point": ("m", "world", "the nearest point of the mesh: " + _HOST),
-    "depth": ("m", "", "of a needle's tip beyond the entry of its first channel: " + _HOST),
-    "inside": ("m", "", "length of its shaft in all bodies: " + _HOST),
-    "ruptures": ("", "", "walls that are open in its channels: " + _HOST),
-    "layers": ("", "", "that its tip has gone into: " + _HOST),
+    "depth": ("m", "", "depth of a needle's tip below the entry of its first channel: " + _HOST),
+    "inside": ("m", "", "length of the needle's shaft inside all bodies: " + _HOST),
+    "ruptures": ("", "", "number of pierced walls in its channels: " + _HOST),
+    "layers": ("", "", "number of layers that its tip has entered: " + _HOST),
 }
 
 
