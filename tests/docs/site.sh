@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # The site of `make docs`: it is made without a warning, below its version; each public function and each name of Python's
-# package has its place; links and pictures lead to files that are there.
+# package has its place, and the names of other languages; links and pictures lead to files that are there; in a browser no page
+# is wider than a window of 390 pixels, and the organ in the tutorial ticks.
 #
 #     sh tests/docs/site.sh [BUILD=build]
 set -u
@@ -16,12 +17,21 @@ fi
 make -s docs >"$build/docs/made.log" 2>&1
 verdict $? "make docs: $(tail -n 1 "$build/docs/made.log")"
 python3 -B tests/docs/site.py "$build" >"$build/docs/said"
+if command -v chromium >/dev/null 2>&1 && command -v node >/dev/null 2>&1; then
+    room=$(mktemp -d)
+    version=$(sed -n 's/^#define DPT_VERSION_STRING "\(.*\)"/\1/p' include/dynpoint/base.h)
+    node tests/docs/site_look.js "$build/docs/site" "$version" "$room" >>"$build/docs/said" 2>&1
+    rm -rf "$room"
+else
+    echo "skip the site in a browser: no chromium or no node (make deps view)" >>"$build/docs/said"
+fi
 while read -r word rest; do
     case $word in
     ok) ok "$rest" ;;
     FAIL) bad "$rest" ;;
+    skip) skip "$rest" ;;
     esac
 done <"$build/docs/said"
-[ "$(wc -l <"$build/docs/said")" -ge 7 ]
+[ "$(grep -vc '^ *[0-9]' "$build/docs/said")" -ge 14 ]
 verdict $? "all of it was looked at"
 finish

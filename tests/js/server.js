@@ -10,6 +10,8 @@ const TYPES = {
   ".js": "text/javascript",
   ".mjs": "text/javascript",
   ".wasm": "application/wasm",
+  ".css": "text/css",
+  ".svg": "image/svg+xml",
 };
 const ISOLATED = { "Cross-Origin-Opener-Policy": "same-origin", "Cross-Origin-Embedder-Policy": "require-corp" };
 
@@ -21,7 +23,7 @@ function serve(folder, isolated) {
       response.writeHead(404).end();
       return;
     }
-    response.writeHead(200, { "Content-Type": TYPES[path.extname(file)], ...(isolated ? ISOLATED : {}) });
+    response.writeHead(200, { "Content-Type": TYPES[path.extname(file)] ?? "application/octet-stream", ...(isolated ? ISOLATED : {}) });
     const bytes = fs.readFileSync(file);
     response.end(file.endsWith(".mjs") ? bytes.toString().replace('from "dynpoint"', 'from "/browser.mjs"') : bytes);
   });

@@ -16,7 +16,7 @@ breathe_projects = {"dynpoint": os.environ["DOXYGEN_XML"]}
 breathe_default_project = "dynpoint"
 breathe_domain_by_extension = {"h": "c"}
 myst_heading_anchors = 5
-exclude_patterns = ["README.md", "include", "src", "drivers", "tools", "Makefile", "docs/samples",
+exclude_patterns = ["README.md", "extra", "include", "src", "drivers", "tools", "Makefile", "docs/samples",
                     "tests/[!bf]*", "tests/b[!e]*", "tests/f[!u]*"]
 highlight_language = "none"
 default_role = "code"
@@ -24,6 +24,9 @@ html_theme = "furo"
 html_title = f"dynpoint {version}"
 html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["site.css"]
+templates_path = [str(Path(__file__).parent / "templates")]
+html_sidebars = {"**": ["sidebar/brand.html", "versions.html", "sidebar/search.html", "sidebar/scroll-start.html",
+                        "sidebar/navigation.html", "sidebar/scroll-end.html"]}
 html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False
@@ -92,6 +95,8 @@ def extra(app, config):
 
 
 def setup(app):
+    for name, language in (("csharp", "C#"), ("java", "Java")):
+        app.add_object_type(name, name, indextemplate=f"pair: %s; {language}")
     app.connect("config-inited", extra)
     app.connect("source-read", live)
     app.connect("doctree-read", sources)

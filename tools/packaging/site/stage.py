@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""stage.py ABI.json OUT [PAGE.html]: the tree as Sphinx reads it, in OUT: README and docs/ as they are, what they link
-to, and a page for each public header and for each module of the package of Python. PAGE.html: the page with the core.
+"""stage.py ABI.json MADE OUT [PAGE.html]: the tree as Sphinx reads it, in OUT: README and docs/ as they are, what they link
+to, and a page for each public header, for each module of the package of Python, and for each other language that
+languages.sh has put into MADE. PAGE.html: the page with the core.
 """
 import json
 import shutil
 import sys
 from pathlib import Path
+
+import languages
 
 ROOT = Path(__file__).resolve().parents[3]
 PYTHON = {
@@ -17,7 +20,7 @@ PYTHON = {
 }
 # In the order of docs/index.md.
 PAGES = {
-    "Begin": "install tutorial commands concepts output faq comparison",
+    "Begin": "install tutorial commands concepts output faq comparison abi",
     "Use": "host drivers back_ends faults writing_drivers safety motors scene view plan plot chart recipes urdf",
     "From languages": "ffi python batch physics exports bulk csharp go java javascript page rust",
     "Background": "design glossary format wire platforms stability performance measurements contributing changelog",
@@ -73,8 +76,25 @@ def python(out):
           f".. toctree::\n   :maxdepth: 1\n\n{entries}")
 
 
+def others(made, out):
+    """A page for each language that is in `made`, and what its own tool has made of it beside the pages."""
+    (out / "languages").mkdir(exist_ok=True)
+    names = []
+    for name, heading, what, text in languages.pages(made):
+        write(out / f"languages/{name}.rst", f"{title(heading)}\n{what}\n\n{text}")
+        names.append(name)
+    for path in (out / "languages").glob("*.rst"):
+        if path.stem not in names:
+            path.unlink()
+    for name in ("rust", "javascript"):
+        shutil.rmtree(out / "extra" / name, ignore_errors=True)
+        if name in names:
+            shutil.copytree(made / name, out / "extra" / name)
+    return names
+
+
 def main():
-    abi_file, out = sys.argv[1], Path(sys.argv[2])
+    abi_file, made, out = sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])
     with open(abi_file, encoding="utf-8") as file:
         abi = json.load(file)
     shutil.rmtree(out / "docs", ignore_errors=True)
@@ -89,10 +109,11 @@ def main():
                  [path.name for path in (ROOT / "tests" / name).iterdir() if path.name != "README.md"])
         shutil.copy2(ROOT / "tests" / name / "README.md", out / "tests" / name)
     (out / "extra").mkdir(exist_ok=True)
-    for page in sys.argv[3:]:
+    for page in sys.argv[4:]:
         shutil.copy2(page, out / "extra")
     headers(abi, out)
     python(out)
+    more = others(made, out)
     algorithms = sorted(path.stem for path in (ROOT / "docs/algorithms").glob("*.md"))
     listed = [name for names in PAGES.values() for name in names.split()]
     left_out = {path.stem for path in (ROOT / "docs").glob("*.md")} - set(listed) - {"index"}
@@ -101,7 +122,7 @@ def main():
     write(out / "index.rst", ".. include:: README.md\n   :parser: myst_parser.sphinx_\n\n"
           + toctree("Contents", ["docs/index"])
           + "".join(toctree(caption, [f"docs/{name}" for name in names.split()]) for caption, names in PAGES.items())
-          + toctree("API", ["api/index", "python/index"])
+          + toctree("API", ["api/index", "python/index", *(f"languages/{name}" for name in more)])
           + toctree("Algorithms", [f"docs/algorithms/{name}" for name in algorithms])
           + toctree("Tests", ["tests/bench/README", "tests/fuzz/README"]))
 
