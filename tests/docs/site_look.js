@@ -16,16 +16,16 @@ function verdict(good, what) {
   console.log(`  ${good ? "ok  " : "FAIL"} ${what}`);
 }
 
-// What sticks out of the window, and stands in nothing that scrolls or hides it.
+// What of the text sticks out of the window. A table or a block of code may scroll by itself.
 function wide() {
-  const scrolls = node =>
-    node && node !== document.body && (getComputedStyle(node).overflowX !== "visible" || scrolls(node.parentElement));
-  const out = [...document.body.querySelectorAll("*")].filter(
-    node => node.getBoundingClientRect().right > innerWidth + 1 && node.getClientRects().length > 0 && !scrolls(node.parentElement) &&
-      getComputedStyle(node).overflowX === "visible" && getComputedStyle(node).position !== "fixed",
+  const column = node => node.matches("body, .page, .main, .content, .article-container, article, main, [role=main]");
+  const isWithin = node =>
+    !column(node.parentElement) && (getComputedStyle(node.parentElement).overflowX !== "visible" || isWithin(node.parentElement));
+  const out = [...document.querySelectorAll("article *, [role=main] *")].filter(
+    node => node.getBoundingClientRect().right > innerWidth + 1 && !column(node) && !isWithin(node),
   );
-  return document.documentElement.scrollWidth > innerWidth + 1 ? [`${document.documentElement.scrollWidth} pixels`,
-    ...out.slice(0, 3).map(node => `${node.tagName}.${node.className}: ${node.textContent.slice(0, 40)}`)] : [];
+  if (document.documentElement.scrollWidth > innerWidth + 1) out.push(document.body);
+  return out.slice(0, 3).map(node => `${node.tagName}.${node.className} ${node.textContent.trim().slice(0, 40)}`);
 }
 
 function brightness() {

@@ -90,6 +90,12 @@ def live(app, name, source):
         source[0] = source[0].replace("\n## ", f"\n{organ}\n\n## ", 1)
 
 
+def named(app, env):
+    """Enums without a name have no place in the index: their values have."""
+    for entries in env.domaindata["index"]["entries"].values():
+        entries[:] = [entry for entry in entries if "[anonymous]" not in entry[1]]
+
+
 def extra(app, config):
     config.html_extra_path = [str(Path(app.srcdir) / "extra")]
 
@@ -100,4 +106,5 @@ def setup(app):
     app.connect("config-inited", extra)
     app.connect("source-read", live)
     app.connect("doctree-read", sources)
+    app.connect("env-updated", named)
     app.connect("autodoc-process-docstring", plain)
