@@ -23,7 +23,7 @@ const MOTIONS = [
     place: part => [0, 0.001 - 0.019 * wave(part), 0],
     rounds: 1,
     turn: [-0.05, 0.2],
-    zoom: 0.62,
+    zoom: 0.6,
   },
   {
     name: "wipe",
@@ -32,8 +32,8 @@ const MOTIONS = [
     // Poisson's ratio is that of springs alone: the first round would jump by 0.1 N, and the next ones feel less than half.
     place: part => [0.03 * Math.sin(2 * Math.PI * part), 0.003 - 0.016 * wave(part), 0],
     rounds: 2,
-    turn: [-0.35, -0.1],
-    zoom: 0.8,
+    turn: [-0.2, -0.05],
+    zoom: 0.55,
   },
   {
     name: "tip",
@@ -57,12 +57,12 @@ const MOTIONS = [
     place: part => [0, 0.07 * wave(Math.min(1, Math.max(0, 1.5 * part - 0.25))) ** 0.5, 0], // it lifts the cloth, and lets it down
     rounds: 2,
     turn: [-0.25, 0.1],
-    zoom: 1,
+    zoom: 0.8,
   },
 ].map(motion => ({
   ...motion,
   hand: () => handOf(time => motion.place(time % 1), motion.rounds),
-  device: "sim:?hand=hand.csv&seed=1",
+  device: "sim:?hand=hand.csv&hand_damping=4", // as of a finger: without it the device's mass rings at 15 Hz on the spring
   seconds: PERIOD * motion.rounds,
   start: PERIOD * (motion.rounds - 1),
   // A recording's page has new vertices ten times a second, so the picture has as many frames.
@@ -70,7 +70,7 @@ const MOTIONS = [
   frames: PERIOD / 0.1,
   width: 800,
   height: 420,
-  quality: 62,
+  quality: 75, // below, blocks of the frames before show
   bytesMost: 300000,
 }));
 

@@ -17,7 +17,7 @@ const HIDDEN = ["header", "footer", "#views", "#deformation", "#numbers dl", "#n
 async function framesOf(browser, motion) {
   const page = await visitPage(browser, room, motion);
   await page.call(names => names.forEach(name => document.querySelectorAll(name).forEach(part => (part.style.display = "none"))), HIDDEN);
-  await page.ask("viewer.plot.choose(['force', 'depth']), 0");
+  await page.ask("(document.querySelector('aside').style.width = '336px'), viewer.plot.choose(['force', 'depth']), 0");
   await seek(page, motion.start + motion.frameSeconds * (motion.frames / 2)); // when it is felt most
   await page.settle();
   await look(page, motion.turn, motion.zoom);

@@ -9,18 +9,20 @@ const { runner, record, visitPage, seek, look, rest } = require("./viewer_page.j
 const [program, room, out, ...names] = process.argv.slice(2);
 const run = runner(program, room);
 
+const FINGER = "hand_damping=4"; // Ns/m
+
 const sights = [
   {
     name: "laparoscopy",
-    make: () => record(run, "laparoscopy", "sim:?hand=press", 4),
+    make: () => record(run, "laparoscopy", `sim:?hand=press&${FINGER}`, 4),
     time: 1.9,
   },
   {
     name: "soft-liver",
-    make: () => record(run, "soft-liver", "sim:?hand=press&reach=0.018&cycle=4", 4), // deeper, cells turn inside out
+    make: () => record(run, "soft-liver", `sim:?hand=press&reach=0.018&${FINGER}`, 4), // deeper, cells turn inside out
     time: 2.0,
     turn: [-0.2, 0],
-    zoom: 1,
+    zoom: 0.7,
     dark: true,
   },
   {
@@ -35,7 +37,7 @@ const sights = [
 
 async function picture(browser, sight) {
   sight.make();
-  const page = await visitPage(browser, room, { width: 1200, height: 720, dark: sight.dark });
+  const page = await visitPage(browser, room, { width: 1000, height: 620, dark: sight.dark });
   if (sight.time !== undefined) await seek(page, sight.time);
   await look(page, sight.turn ?? [0, 0], sight.zoom ?? 1);
   if (sight.pick) await page.key("Enter");

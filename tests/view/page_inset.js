@@ -107,6 +107,24 @@ async function placed(browser) {
       assert(texts > 20);
       assert.deepStrictEqual([cut, crossed], [[], []]);
     });
+    await check(`at ${width} x ${height} clicks, drags, fingers and the wheel do not go through it`, async () => {
+      const read = () => page.ask("[viewer.own.picked, viewer.own.view.camera.state]");
+      const [left, top, wide, high] = await page.ask(
+        "(({ left, top, width, height }) => [left, top, width, height])(document.getElementById('inset').getBoundingClientRect())",
+      );
+      const at = (x, y) => [left + x * wide, top + y * high];
+      const before = await read();
+      await page.click(at(0.5, 0.5));
+      await page.drag(at(0.3, 0.5), at(0.7, 0.6));
+      await page.touch([[at(0.5, 0.5)]]);
+      await page.touch([[at(0.3, 0.5)], [at(0.5, 0.5)], [at(0.7, 0.5)]]);
+      await page.mouse("mouseWheel", at(0.5, 0.5), { deltaX: 0, deltaY: -50 });
+      await page.settle();
+      assert.deepStrictEqual(await read(), before);
+      await page.drag(at(-0.3, 0.5), at(-0.1, 0.5));
+      await page.settle();
+      assert.notDeepStrictEqual(await read(), before, "beside it the picture turns");
+    });
     await browser.leave(page);
   }
   const page = await visitRecording(browser, write("no-inset", fixture.stream()), fixture.FRAMES);

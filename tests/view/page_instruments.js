@@ -146,7 +146,7 @@ async function drawn(browser) {
       const { snapshot, width, height } = view;
       const { centre, radius } = view.bounds();
       const all = toolView.dressOf(snapshot, snapshot.tools[0], view.scales.look).flatMap(({ a, b }) => [a, b]);
-      const near = all.filter(place => rays.length(rays.sub(place, centre)) < 1.5 * radius);
+      const near = all.filter(place => rays.length(rays.sub(place, centre)) < 2 * radius);
       const isOut = ([x, y]) => x < 0 || y < 0 || x > width || y > height;
       return [all.length, near.length, near.map(place => view.project(place)).filter(isOut).length];
     })(viewer.own.view)`);
@@ -168,10 +168,42 @@ async function drawn(browser) {
   });
 }
 
+// A needle as long as the scene is wide: its syringe is farther from the middle than all bodies are.
+async function syringes(browser) {
+  const long = 0.15;
+  const stream = fixture.stream({ look: "needle" });
+  for (const [width, height] of [[1280, 800], [390, 844]]) {
+    const page = await browser.visit(write("syringe", stream), { width, height });
+    await seek(page, 1);
+    const out = await page.call(long => {
+      const { view } = viewer.own;
+      const { snapshot } = view;
+      const { centre, radius } = view.bounds();
+      const [segment] = snapshot.segments;
+      const from = [centre[0], centre[1], centre[2] + 0.5 * radius];
+      const to = [from[0], from[1], from[2] + long];
+      Object.assign(segment, { a: from, b: to, proxyA: from, proxyB: to, radius: 0.0012 });
+      view.show(snapshot, new Map());
+      view.fit(false);
+      view.draw(true);
+      const rods = toolView.dressOf(snapshot, snapshot.tools[0], "needle").flatMap(({ a, b }) => [a, b]);
+      const farthest = Math.max(...rods.map(place => rays.length(rays.sub(place, centre)))) / radius;
+      const isOut = ([x, y]) => x < 0 || y < 0 || x > view.width || y > view.height;
+      return [farthest, rods.map(place => view.project(place)).filter(isOut).length];
+    }, long);
+    await check(`at ${width} x ${height} a needle's syringe is in the picture, out to two radii of the scene`, () => {
+      assert(out[0] > 1.55 && out[0] < 2, `${out[0]} radii`);
+      assert.strictEqual(out[1], 0);
+    });
+    await browser.leave(page);
+  }
+}
+
 (async () => {
   await rods();
   const browser = launch(room);
   await drawn(browser);
+  await syringes(browser);
   await jaws(browser);
   await browser.close();
   finish();

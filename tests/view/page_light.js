@@ -136,6 +136,38 @@ async function looks(browser) {
   });
 }
 
+// A box of 12 triangles beside the ring: what is faceted, and what is drawn of it.
+async function faces(browser) {
+  const box = {
+    name: "box",
+    positions: Float32Array.from([-1, 1].flatMap(x => [-1, 1].flatMap(y => [-1, 1].flatMap(z => [0.03 * x, 0.03 * y, 0.03 * z])))),
+    corners: Uint32Array.from(
+      [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]].flatMap(([a, b, c, d]) => [a, b, c, a, c, d]),
+    ),
+    sources: Uint32Array.from({ length: 12 }, (_, i) => i),
+  };
+  await check("a box is faceted, a ring and a ball are not", () =>
+    assert.deepStrictEqual([box, ...known.meshes].map(rays.isFaceted), [true, false, false]));
+  const body = (id, mesh, place, colour) => ({ id, mesh, pose: [...place, 1, 0, 0, 0], name: "body", colour });
+  const bodies = [body(11, 0, [0, 0, 0], [0.5, 0.5, 0.5]), body(12, 1, [0.2, 0, 0], [0.5, 0.5, 0.5])];
+  const scene = fixture.sceneMessage([box, known.meshes[0]], { mode: "mesh", device: null, bodies });
+  const page = await browser.visit(write("faces", fixture.streamOf([scene])));
+  await until("its shade", () => page.ask("viewer.own.view?.bake.isDone ?? false"));
+  await page.key("f");
+  await page.settle();
+  const seen = {};
+  for (const [face, place] of [["top", (u, v) => [u, v, 0.03]], ["front", (u, v) => [u, -0.03, v]]]) {
+    seen[face] = [];
+    for (const u of [-0.025, 0, 0.025]) for (const v of [-0.025, 0.004, 0.025]) seen[face].push(await pixel(page, place(u, v)));
+  }
+  await check("each face of a box has one colour, and the next one another", () => {
+    for (const all of Object.values(seen)) for (const rgb of all) near(rgb, all[0], 3, JSON.stringify(seen));
+    assert(Math.abs(light(seen.top[0]) - light(seen.front[0])) > 0.1, JSON.stringify(seen));
+  });
+  assert.deepStrictEqual(page.said, []);
+  await browser.leave(page);
+}
+
 // A sheet above the tool, of the page's own colour and blue.
 async function veil(browser) {
   const sheet = {
@@ -259,6 +291,7 @@ async function scenes(browser) {
   const browser = launch(room);
   await shadows(browser);
   await looks(browser);
+  await faces(browser);
   await veil(browser);
   await scenes(browser);
   await browser.close();

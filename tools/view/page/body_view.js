@@ -7,6 +7,7 @@ const bodyView = (() => {
   class BodyView {
     // isSheet: it has an open border, and two sides that are seen
     constructor(body, mesh, material, isSheet) {
+      this.isFaceted = material.userData.isFaceted;
       this.isSheet = isSheet;
       this.body = body;
       this.mesh = mesh;
@@ -126,8 +127,9 @@ const bodyView = (() => {
       return to;
     }
 
-    // shades: of occlusion.Bake, one a vertex
+    // shades: of occlusion.Bake, one a vertex. Large faces that meet at edges would only have stripes of it.
     setShades(shades) {
+      if (this.isFaceted) return;
       const { shade } = this.object.geometry.attributes;
       shade.array.set(shades);
       shade.needsUpdate = true;

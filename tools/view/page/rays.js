@@ -140,6 +140,25 @@ const rays = (() => {
     return true;
   }
 
+  // Whether most corners belong to faces that meet at an edge: their triangles lie more than 25 degrees off the vertices' normals.
+  function isFaceted({ positions, corners }) {
+    const STEEP = 0.9; // cosine
+    const normals = new Float32Array(positions.length);
+    makeNormals(positions, corners, normals);
+    let steep = 0;
+    for (let i = 0; i < corners.length; i += 3) {
+      const [a, b, c] = [0, 1, 2].map(k => positions.subarray(3 * corners[i + k], 3 * corners[i + k] + 3));
+      const [u, v] = [sub(b, a), sub(c, a)];
+      const face = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+      const least = STEEP * length(face);
+      for (let k = 0; k < 3; k++) {
+        const at = 3 * corners[i + k];
+        if (dot(face, normals.subarray(at, at + 3)) < least) steep++;
+      }
+    }
+    return 2 * steep > corners.length;
+  }
+
   return {
     sub,
     dot,
@@ -153,6 +172,7 @@ const rays = (() => {
     firstTriangle,
     makeNormals,
     isClosed,
+    isFaceted,
     extent,
   };
 })();

@@ -10,6 +10,7 @@ const sceneView = (() => {
   const SIDE = 24; // pixels that stay free at the left and at the right
   const ROOM = 12; // pixels between what is seen and the legend or the buttons
   const REST = 150; // ms without a move of the eye
+  const NEAR = 2; // radii of the scene from its centre: what of the tool is farther away may leave the picture
   const LEAST_ASPECT = 1.2; // width to height: a narrower picture takes in as much from side to side
   const LEAST_MOVED = 1e-4; // m: the least end of the deformation's colours
   const UNIT_BOX = [-1, -1, -1, 1, 1, 1];
@@ -117,10 +118,12 @@ const sceneView = (() => {
       }
       const closed = scene.meshes.map(({ corners }) => rays.isClosed(corners));
       const edges = scene.meshes.map(surfaceLight.usualEdge);
+      const faceted = scene.meshes.map(rays.isFaceted);
       this.bodies = new Map(
         scene.bodies.map((body, number) => {
           const isSheet = !closed[body.mesh];
-          const form = { look: body.look, bothSides: isSheet, edge: edges[body.mesh], number };
+          const [edge, isFaceted] = [edges[body.mesh], faceted[body.mesh]];
+          const form = { look: body.look, bothSides: isSheet, edge, isFaceted, number };
           const material = surfaceLight.materialOf(this.light, form);
           return [body.id, new BodyView(body, scene.meshes[body.mesh], material, isSheet)];
         }),
@@ -276,7 +279,7 @@ const sceneView = (() => {
       ]);
       for (const tool of this.snapshot?.tools ?? [])
         ends.push(...toolView.dressOf(this.snapshot, tool, this.scales.look).flatMap(({ a, b }) => [a, b]));
-      const near = ends.filter(place => rays.isPlace(place) && rays.length(rays.sub(place, centre)) < 1.5 * radius);
+      const near = ends.filter(place => rays.isPlace(place) && rays.length(rays.sub(place, centre)) < NEAR * radius);
       const whole = Float32Array.from([...all.flatMap(places => [...places]), ...near.flat()]);
       const free = (pixels, of) => Math.max(0.3, 1 - (2 * pixels) / of);
       const { top, bottom } = this.edges();

@@ -8,7 +8,7 @@ const surfaceLight = (() => {
   const REACH = 10; // radii of a rod: beyond, its shadow is too faint to be seen
   const FINE = 1.3; // radii of a rod: edges that are shorter show its shadow
   const BLUR = 0.03; // radii of the scene: the edge of a shadow is no narrower
-  const VEIL = 0.3; // opacity of what hides the tool
+  const VEIL = 0.45; // opacity of what hides the tool
   const VEIL_ORDER = 5; // after the tool, before the marks
   // wet: how strong the sun's reflection is; dull: likewise, spread wide; rim: how bright what is seen from the side gets
   const LOOKS = {
@@ -129,9 +129,13 @@ const surfaceLight = (() => {
     }
 
     void main() {
+      #ifdef FACETED
+      vec3 normal = normalize(cross(dFdx(place), dFdy(place))); // of the triangle, towards the eye
+      #else
       vec3 normal = normalize(across);
       #ifdef BOTH_SIDES
         if (!gl_FrontFacing) normal = -normal;
+      #endif
       #endif
       #ifdef FINE
       vec2 left = beside;
@@ -216,15 +220,16 @@ const surfaceLight = (() => {
    *   look       a name of LOOKS
    *   bothSides  the body is an open sheet
    *   edge       m, of its triangles: shadows of rods that are thicker are found at the vertices, which costs far less
+   *   isFaceted  its faces meet at edges: each triangle has a normal of its own
    *   number     of the body, among all
    */
-  function materialOf(shared, { look, bothSides, edge, number }) {
+  function materialOf(shared, { look, bothSides, edge, isFaceted, number }) {
     const { wet, dull, rim } = LOOKS[look];
     const material = new THREE.ShaderMaterial({
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
       side: bothSides ? THREE.DoubleSide : THREE.FrontSide,
-      defines: { RODS: 0, ...(bothSides ? { BOTH_SIDES: "" } : {}) },
+      defines: { RODS: 0, ...(bothSides ? { BOTH_SIDES: "" } : {}), ...(isFaceted ? { FACETED: "" } : {}) },
       uniforms: {
         ...shared,
         colour: { value: new THREE.Color() },
@@ -233,7 +238,7 @@ const surfaceLight = (() => {
         shine: { value: new THREE.Vector3(wet, dull, rim) },
       },
     });
-    material.userData.edge = edge;
+    Object.assign(material.userData, { edge, isFaceted });
     return material;
   }
 

@@ -137,9 +137,9 @@ const viewer = (() => {
       row.lastChild.textContent = value;
       list.append(row);
     };
-    for (const { name, triangles, vertices, positions } of scene.meshes) {
+    for (const [index, { name, triangles, vertices, positions }] of scene.meshes.entries()) {
       const lengths = rays.extent(positions).map(value => (1e3 * value).toFixed(1));
-      add(name, `${triangles.toLocaleString("en")} triangles, ${vertices.toLocaleString("en")} vertices`);
+      add(name || (scene.bodies.find(({ mesh }) => mesh === index)?.name ?? ""), `${triangles.toLocaleString("en")} triangles, ${vertices.toLocaleString("en")} vertices`);
       add("", `${lengths.join(" \u00d7 ")} mm`);
     }
   }
