@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # That the tests find faults: `sh tests/planted.sh BUILD [TABLE]`, about two minutes on two cores. In a copy of the tree
 # each fault of tests/planted.txt is planted alone; the test that is named for it must pass without it, and fail a check
-# with it. A test is a program, with its argument of `make test` or else of `make check`, or a script of tests/tools, with
-# "part".
+# with it. A test is a program, with its argument of `make test` or else of `make check`, a script of tests/tools, with "part", or a
+# page_....js of tests/view, which BUILD/view/node_modules and chromium are needed for.
 set -u
 build=$1
 here=$(dirname "$0")
@@ -17,15 +17,27 @@ rm -rf "$scratch"
 mkdir -p "$tree"
 
 made_by() { # test
-    case $1 in *.sh) echo build/dynpoint ;; *) echo "build/tests/test_$1" ;; esac
+    case $1 in *.sh) echo build/dynpoint ;; *.js) echo build/view/page.html ;; *) echo "build/tests/test_$1" ;; esac
 }
 build_in_tree() { # targets...
     (cd "$tree" && make -s -j"$jobs" "$@") >"$scratch/make.log" 2>&1 </dev/null
 }
 
+# Likewise, of a page. Where the test itself ended early, nothing was found.
+run_page() {
+    mkdir -p "$scratch/room"
+    (cd "$tree" && timeout 300 node "tests/view/$1" build/view/page.html ../room) >"$2" 2>&1 </dev/null && return 0
+    grep -q '^FAIL' "$2" && ! grep -q "test itself" "$2" && return 1
+    return 2
+}
+
 # run TEST FILE: the output goes to FILE. Status 0 if it passed, 1 if a check failed, 3 if it checks nothing here, else 2.
 run() {
     case $1 in
+    *.js)
+        run_page "$@"
+        return
+        ;;
     *.sh) set -- "$2" sh "tests/tools/$1" build part ;;
     *)
         amount=$(awk -v name="$1" '$1 == name { print $2 == "-" ? $3 : $2 }' "$here/programs.txt")
@@ -82,6 +94,8 @@ mkdir -p "$tree/build"
     (cd "$build" && find src drivers tools tests built_with.h -name '*.[oadh]' >planted/objects &&
         tar cf - -T planted/objects) | tar xf - -C "$tree/build"
 verdict $? "a copy of the tree and its objects"
+
+[ ! -e "$build/view/node_modules" ] || { mkdir -p "$tree/build/view" && ln -s "$(cd "$build" && pwd)/view/node_modules" "$tree/build/view/"; }
 
 tests=$(sed -n 's/^[a-z][^ ]* \([^ ]*\) .*/\1/p' "$table" | LC_ALL=C sort -u)
 build_in_tree $(for test in $tests; do made_by "$test"; done | sort -u)

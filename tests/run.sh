@@ -115,6 +115,7 @@ else
     run "other machines" env JOBS=1 RELEASE="$release" sh tests/cross.sh build
     run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
     [ "$whole" = check ] || run "planted faults" sh tests/planted.sh build
+    [ "$whole" = check ] || run "planted faults of the page" sh tests/planted.sh build tests/view/planted.txt
     run "the libraries" env RELEASE="$release" sh tests/abi/check.sh build
     run "CMake" sh tests/abi/cmake.sh build
     run "what is installed" sh tests/abi/install.sh build

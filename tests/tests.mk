@@ -225,8 +225,9 @@ check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: noth
 check-release: ## that, and what takes long for what it can find: before a release
 	@sh tests/run.sh release
 
-check-planted: all test-programs ## twelve faults are planted, one after the other, and a test must find each; check-release does it too
+check-planted: all test-programs ## faults are planted, one after the other, and a test must find each; check-release does it too
 	@sh tests/planted.sh $(B)
+	@sh tests/planted.sh $(B) tests/view/planted.txt
 
 SOAKED := exactness deform deform_push surface_motion bed_organs proxy_soak needle_soak needle_soft needle_soft_life needle_soft_soak proxy_side certificate budget budget_worlds broad_phase sheets sheet_touches gap_continuity depth depth_forms contact_life contact_forms contact_integrals route route_strip strip strip_memory overlap pair hull_pair hull_search hull_sweep parallel no_system_calls loop $(if $(CONVEX_PARTS),convex)
 soak: all $(SOAKED:%=$(B)/tests/test_%) $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull $(B)/tests/vm/test_can_pull ## 10^8 ticks against the tree, 10^7 of the proxy; all of DPT_DATA against brute force

@@ -33,6 +33,6 @@ if ! grep -q HAS_VIEW_PAGE "$build/built_with.h"; then
     exit 1
 fi
 node tests/pictures/stills.js "$program" "$build/view/pictures" "$out" || exit 1
-lacks img2webp "Debian's webp, make deps view" "the picture that moves" && exit 1
+lacks webpmux "Debian's webp, make deps view" "the picture that moves" && exit 1
 node tests/pictures/moving.js "$program" "$build/view/pictures" "$out" || exit 1
 exit $status

@@ -57,12 +57,13 @@ const MOTIONS = [
     place: part => [0, 0.07 * wave(Math.min(1, Math.max(0, 1.5 * part - 0.25))) ** 0.5, 0], // it lifts the cloth, and lets it down
     rounds: 2,
     turn: [-0.25, 0.1],
-    zoom: 0.8,
+    zoom: 0.88,
   },
 ].map(motion => ({
   ...motion,
   hand: () => handOf(time => motion.place(time % 1), motion.rounds),
-  device: "sim:?hand=hand.csv&hand_damping=4", // as of a finger: without it the device's mass rings at 15 Hz on the spring
+  // Damped as by a finger: else the device's mass rings at 15 Hz on the spring.
+  device: "sim:?hand=hand.csv&hand_damping=4",
   seconds: PERIOD * motion.rounds,
   start: PERIOD * (motion.rounds - 1),
   // A recording's page has new vertices ten times a second, so the picture has as many frames.
@@ -70,7 +71,7 @@ const MOTIONS = [
   frames: PERIOD / 0.1,
   width: 800,
   height: 420,
-  quality: 75, // below, blocks of the frames before show
+  quality: 76,
   bytesMost: 300000,
 }));
 

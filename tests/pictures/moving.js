@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node moving.js PROGRAM ROOM OUT [NAME...]: pictures that move, NAME.webp: all of motions.js, or those that are named. A
-// recording's page is stepped frame by frame; img2webp of Debian's package webp puts the frames together. What motions.js
+// recording's page is stepped frame by frame; webpmux of Debian's package webp puts the frames together. What motions.js
 // states is what the files have to be.
 "use strict";
 const fs = require("fs");
@@ -9,6 +9,7 @@ const { execFileSync } = require("child_process");
 const { launch } = require("../view/chromium.js");
 const { runner, record, visitPage, seek, look, rest } = require("./viewer_page.js");
 const { MOTIONS } = require("./motions.js");
+const { muxWords } = require("./moving_frames.js");
 const [program, room, out, ...names] = process.argv.slice(2);
 
 // What one would click on, the smaller numbers, and a line that comes and goes.
@@ -43,8 +44,8 @@ async function make(browser, motion) {
   record(run, scene, motion.device, motion.seconds);
   const files = await framesOf(browser, motion);
   const file = path.join(out, `${motion.name}.webp`);
-  const options = ["-loop", "0", "-lossy", "-q", `${motion.quality}`, "-m", "6", "-d", `${1000 * motion.frameSeconds}`];
-  execFileSync("img2webp", [...options, ...files, "-o", `${file}.new`], { stdio: ["ignore", "ignore", "ignore"] });
+  const words = await muxWords(browser, files, motion.quality, 1000 * motion.frameSeconds);
+  execFileSync("webpmux", [...words, "-loop", "0", "-o", `${file}.new`], { stdio: ["ignore", "ignore", "ignore"] });
   fs.renameSync(`${file}.new`, file);
   process.stdout.write(`${file}: ${Math.ceil(fs.statSync(file).size / 1024)} kB, ${files.length} frames\n`);
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node picture_files.js: the pictures of README and docs are there, none is left over, and the pictures that move are what
-// motions.js states. The WebP is read by its container's description alone (RIFF: four letters, a length, the content).
+// motions.js states. The WebP is read by its container's description alone.
 "use strict";
 const fs = require("fs");
 const path = require("path");
 const { check, finish, assert } = require("../view/verdicts.js");
 const { MOTIONS } = require("./motions.js");
+const { chunks } = require("./moving_frames.js");
 const root = path.join(__dirname, "../..");
 
 const pagesIn = folder =>
@@ -22,16 +23,6 @@ function named() {
     const text = fs.readFileSync(path.join(root, page), "utf8");
     for (const [, alt, target] of text.matchAll(/!\[([^\]]*)\]\(([^)]+)\)/g))
       list.push({ page, alt, file: path.join(path.dirname(page), target) });
-  }
-  return list;
-}
-
-function chunks(bytes) {
-  const list = [];
-  for (let at = 12; at + 8 <= bytes.length; ) {
-    const [name, length] = [bytes.toString("latin1", at, at + 4), bytes.readUInt32LE(at + 4)];
-    list.push({ name, content: bytes.subarray(at + 8, at + 8 + length), whole: at + 8 + length <= bytes.length });
-    at += 8 + length + (length % 2);
   }
   return list;
 }

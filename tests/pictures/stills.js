@@ -22,7 +22,7 @@ const sights = [
     make: () => record(run, "soft-liver", `sim:?hand=press&reach=0.018&${FINGER}`, 4), // deeper, cells turn inside out
     time: 2.0,
     turn: [-0.2, 0],
-    zoom: 0.7,
+    zoom: 0.85,
     dark: true,
   },
   {

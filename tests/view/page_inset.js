@@ -109,8 +109,8 @@ async function placed(browser) {
     });
     await check(`at ${width} x ${height} clicks, drags, fingers and the wheel do not go through it`, async () => {
       const read = () => page.ask("[viewer.own.picked, viewer.own.view.camera.state]");
-      const [left, top, wide, high] = await page.ask(
-        "(({ left, top, width, height }) => [left, top, width, height])(document.getElementById('inset').getBoundingClientRect())",
+      const { left, top, width: wide, height: high } = await page.ask(
+        "document.getElementById('inset').getBoundingClientRect().toJSON()",
       );
       const at = (x, y) => [left + x * wide, top + y * high];
       const before = await read();

@@ -56,15 +56,7 @@ async function jaws(browser) {
   // A block beside the tool's end b, which turns away about a hinge there; ticks say how far.
   const { to, radius } = fixture.TOOL;
   const long = Math.hypot(...to.map((value, k) => value - fixture.TOOL.from[k]));
-  const box = [-1, 1].flatMap(x => [-1, 1].flatMap(y => [-1, 1].map(z => [x, y, z])));
-  const block = {
-    name: "block",
-    positions: Float32Array.from(box.flatMap(([x, y, z]) => [2 * radius * x, 2 * radius * y, 4 * radius * z])),
-    corners: Uint32Array.from(
-      [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]].flatMap(([a, b, c, d]) => [a, b, c, a, c, d]),
-    ),
-    sources: Uint32Array.from({ length: 12 }, (_, i) => i),
-  };
+  const block = fixture.box("block", [2 * radius, 2 * radius, 4 * radius]);
   const known = fixture.recording();
   const hinge = [0, 0, long, 1, 0, 0, Math.PI / 2];
   const dress = [{ mesh: 2, pose: [0, 0, long + 8 * radius, 1, 0, 0, 0], hinge, colour: [0, 1, 0] }];

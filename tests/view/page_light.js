@@ -138,14 +138,7 @@ async function looks(browser) {
 
 // A box of 12 triangles beside the ring: what is faceted, and what is drawn of it.
 async function faces(browser) {
-  const box = {
-    name: "box",
-    positions: Float32Array.from([-1, 1].flatMap(x => [-1, 1].flatMap(y => [-1, 1].flatMap(z => [0.03 * x, 0.03 * y, 0.03 * z])))),
-    corners: Uint32Array.from(
-      [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]].flatMap(([a, b, c, d]) => [a, b, c, a, c, d]),
-    ),
-    sources: Uint32Array.from({ length: 12 }, (_, i) => i),
-  };
+  const box = fixture.box("box", [0.03, 0.03, 0.03]);
   await check("a box is faceted, a ring and a ball are not", () =>
     assert.deepStrictEqual([box, ...known.meshes].map(rays.isFaceted), [true, false, false]));
   const body = (id, mesh, place, colour) => ({ id, mesh, pose: [...place, 1, 0, 0, 0], name: "body", colour });

@@ -263,6 +263,38 @@ async function looks(page) {
     });
     assert(apart >= 4 && low <= bottom, `${apart} apart; the scene reaches to ${low}, the buttons begin at ${bottom}`);
   });
+  for (const [width, height] of [
+    [1280, 800],
+    [390, 844],
+  ])
+    await check(`${width} x ${height}: Tab and fingers come to all that can be pressed, and nothing lies over it`, async () => {
+      await page.size(width, height, width < 500);
+      await page.settle();
+      const CONTROLS = `[...document.querySelectorAll("button, select, input, canvas[tabindex]")]
+        .filter(one => one.checkVisibility() && !one.disabled)`;
+      const nameOf = "one => one.id || one.dataset.view || one.tagName";
+      const names = await page.ask(`${CONTROLS}.map(${nameOf})`);
+      assert(names.length > 15, names.join());
+      await page.ask("document.activeElement.blur()");
+      const reached = new Set();
+      for (let i = 0; i < names.length + 5; i++) {
+        for (const type of ["keyDown", "keyUp"])
+          await page.send("Input.dispatchKeyEvent", { type, key: "Tab", code: "Tab", windowsVirtualKeyCode: 9 });
+        reached.add(await page.ask(`(${nameOf})(document.activeElement)`));
+      }
+      assert.deepStrictEqual(names.filter(name => !reached.has(name)), []);
+      const [low, covered] = await page.ask(`[
+        ${CONTROLS}.filter(one => Math.min(one.offsetWidth, one.offsetHeight) < 24),
+        ${CONTROLS}.filter(one => {
+          if (one.id === "picture") return false; // labels and legend stand over it
+          one.scrollIntoView({ block: "center" });
+          const { left, top, width, height } = one.getBoundingClientRect();
+          return !one.contains(document.elementFromPoint(left + width / 2, top + height / 2));
+        }),
+      ].map(list => list.map(${nameOf}))`);
+      assert.deepStrictEqual([low, covered], [[], []]);
+      await page.ask("document.activeElement.blur(), scrollTo(0, 0)");
+    });
   await page.size(1280, 800);
   await check("on a narrow screen all is there, one below the other, and nothing is wider than it", async () => {
     await page.size(390, 844, true);

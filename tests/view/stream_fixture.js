@@ -67,6 +67,18 @@ function ball() {
   return { positions: Float32Array.from(positions), corners: Uint32Array.from(corners) };
 }
 
+// A closed box about the origin, of 12 triangles; half: the half lengths of its edges.
+function box(name, half) {
+  const signs = [-1, 1].flatMap(x => [-1, 1].flatMap(y => [-1, 1].flatMap(z => [x, y, z])));
+  const faces = ["0132", "4675", "0451", "2376", "0264", "1573"].map(face => [...face].map(Number));
+  return {
+    name,
+    positions: Float32Array.from(signs, (sign, i) => sign * half[i % 3]),
+    corners: Uint32Array.from(faces.flatMap(([a, b, c, d]) => [a, b, c, a, c, d])),
+    sources: Uint32Array.from({ length: 12 }, (_, i) => i),
+  };
+}
+
 // Sources run backwards, so that no test passes by the number in the mesh alone.
 const sourcesOf = ({ corners }) =>
   Uint32Array.from({ length: corners.length / 3 }, (_, i) => FIRST_SOURCE + corners.length / 3 - 1 - i);
@@ -367,6 +379,7 @@ const channelSection = (flags, entry, axis, radius, numbers) => [
 ];
 
 module.exports = {
+  box,
   channelSection,
   toolSections,
   RING,

@@ -140,7 +140,7 @@ const rays = (() => {
     return true;
   }
 
-  // Whether most corners belong to faces that meet at an edge: their triangles lie more than 25 degrees off the vertices' normals.
+  // Whether most corners lie at edges: their triangles are turned more than 25 degrees from the vertices' normals.
   function isFaceted({ positions, corners }) {
     const STEEP = 0.9; // cosine
     const normals = new Float32Array(positions.length);
