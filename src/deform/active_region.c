@@ -110,6 +110,14 @@ static float sum_of_sizes(const float *row, const float *other)
     return lanes[0];
 }
 
+static int can_any_wake(const struct active_region *region, const struct spring_loads *loads)
+{
+    for (uint32_t i = 0; i < loads->count; i++)
+        if (can_wake(region, loads->slices[i]))
+            return 1;
+    return 0;
+}
+
 void dpti_region_wake_loaded(struct dpt_springs *springs)
 {
     static const float none[SPRING_ROWS] = { 0.0f };
@@ -118,6 +126,8 @@ void dpti_region_wake_loaded(struct dpt_springs *springs)
     struct active_region *region = &springs->region;
     float whole = 0.0f;
     uint32_t woken = 0;
+    if (!can_any_wake(region, now) && !can_any_wake(region, last))
+        return;
     for (uint32_t i = 0; i < now->count; i++)
         whole += sum_of_sizes(now->force + SPRING_ROWS * (size_t)now->slices[i], none);
     const float mean = now->count ? whole / (float)now->count : 0.0f;

@@ -26,6 +26,7 @@ struct explicit_step {
     struct spring_motion motion;
     uint32_t done;   /* substeps */
     uint32_t pulled; /* slices that were awake when cells were asked what they pull in this substep; 0: not yet */
+    uint32_t forced; /* likewise when forces were found that this substep is foreseen by */
 };
 
 /* Begin a step of substeps of h seconds, however long they are. */

@@ -67,6 +67,13 @@ double dpti_springs_limit(uint32_t integrator, double square, double viscosity, 
     return limit < DPT_SPRINGS_STEP_MAX ? limit : DPT_SPRINGS_STEP_MAX;
 }
 
+/* What is known of forces holds no more. */
+static void forget_forces(struct explicit_step *step)
+{
+    memset(step->springs->is_forced, 0, step->springs->net.slices);
+    step->forced = 0;
+}
+
 void dpti_explicit_begin(struct explicit_step *step, struct dpt_springs *springs, double h)
 {
     *step = (struct explicit_step){ .springs = springs,
@@ -78,6 +85,7 @@ void dpti_explicit_begin(struct explicit_step *step, struct dpt_springs *springs
                                                 .is_euler = springs->def.integrator == DPT_INTEGRATOR_EULER } };
     for (int k = 0; k < 3; k++)
         step->motion.gravity[k] = (float)springs->def.gravity[k];
+    forget_forces(step);
 }
 
 /* What springs and cells do to a slice that is awake. */
@@ -94,6 +102,20 @@ static void find_force(struct explicit_step *step, uint32_t slice, float force[S
     dpti_cells_add(springs, slice, force);
 }
 
+/* The same, where it may be known: a substep that is foreseen, and then made, asks twice. */
+static const float *force_on(struct explicit_step *step, uint32_t slice)
+{
+    struct dpt_springs *springs = step->springs;
+    float *force = springs->forces + SPRING_ROWS * (size_t)slice;
+    if (step->forced != springs->region.count)
+        forget_forces(step);
+    step->forced = springs->region.count;
+    if (!springs->is_forced[slice])
+        find_force(step, slice, force);
+    springs->is_forced[slice] = 1;
+    return force;
+}
+
 /* The state that the next substep begins with. */
 static const struct spring_slice *state_of(const struct explicit_step *step)
 {
@@ -107,17 +129,23 @@ int dpti_explicit_substep(struct explicit_step *step)
     const float *load = springs->loads[springs->loaded].force;
     const struct spring_slice *from = state_of(step);
     struct spring_slice *to = springs->state[1 - springs->now];
-    float *next = springs->points[1 - springs->at], force[SPRING_ROWS];
+    float *next = springs->points[1 - springs->at], found[SPRING_ROWS];
+    const int is_foreseen = step->forced == region->count;
     uint32_t bad = 0;
     for (uint32_t i = 0; i < region->count; i++) {
         const size_t slice = region->slices[i];
-        find_force(step, (uint32_t)slice, force);
+        const float *force = found;
+        if (is_foreseen && springs->is_forced[slice])
+            force = springs->forces + SPRING_ROWS * slice;
+        else
+            find_force(step, (uint32_t)slice, found);
         bad |=
             springs->kernel.spring_move(&step->motion, springs->nodes + slice, force, load + SPRING_ROWS * slice,
                                         from + slice, to + slice, next + SPRING_POINTS * slice, region->square + slice);
     }
     springs->at = 1 - springs->at;
     step->pulled = 0;
+    forget_forces(step);
     step->done++;
     return !bad;
 }
@@ -173,7 +201,7 @@ void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double mo
     const float *load = springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice;
     const struct spring_slice *from = state_of(step) + slice;
     const double h = (double)step->motion.step;
-    float force[SPRING_ROWS], points[SPRING_POINTS], square;
+    float points[SPRING_POINTS], square;
     struct spring_slice to;
     if (!springs->region.is_awake[slice]) {
         const float *held = springs->region.held + SPRING_ROWS * (size_t)slice;
@@ -182,8 +210,8 @@ void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double mo
                 dpti_explicit_response(step, LANES * slice + i % LANES) * ((double)load[i] - (double)held[i]);
         return;
     }
-    find_force(step, slice, force);
-    springs->kernel.spring_move(&step->motion, springs->nodes + slice, force, load, from, &to, points, &square);
+    springs->kernel.spring_move(&step->motion, springs->nodes + slice, force_on(step, slice), load, from, &to, points,
+                                &square);
     for (uint32_t i = 0; i < SPRING_ROWS; i++) {
         moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
         slid[i] = step->motion.is_euler ? h * (double)to.v[i] : moved[i];

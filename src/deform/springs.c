@@ -134,8 +134,11 @@ static void place(struct dpt_springs *springs, struct block *block)
         place_vertices(springs, block);
     if (springs->net.cells)
         place_volumes(springs, block);
-    if (springs->def.integrator != DPT_INTEGRATOR_IMPLICIT)
+    if (springs->def.integrator != DPT_INTEGRATOR_IMPLICIT) {
+        springs->forces = take(block, slices * SPRING_ROWS, sizeof(float));
+        springs->is_forced = take(block, slices, 1);
         return;
+    }
     solve->systems = take(block, slices, sizeof *solve->systems);
     solve->force = take(block, slices * SPRING_ROWS, sizeof(float));
     solve->product = take(block, slices * SPRING_ROWS, sizeof(float));

@@ -20,6 +20,18 @@ static uint32_t slot_of(const struct tissue_solve *solve, uint32_t body, uint32_
     return slot;
 }
 
+/* Where the last node of a slice is told. */
+static uint16_t *last_of_slice(struct tissue_solve *solve, uint32_t body, uint32_t slice)
+{
+    uint32_t place = ((slice + 977u * body) * 2654435769u) >> 21;
+    for (; solve->slices[place]; place = (place + 1) % TISSUE_SLICES) {
+        const struct tissue_node *known = &solve->nodes[solve->slices[place] - 1];
+        if (known->node / LANES == slice && known->body == body)
+            break;
+    }
+    return &solve->slices[place];
+}
+
 /* The number of a node in the solve, which is made if there is none; DPT_NONE without room. */
 static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t node, uint32_t room)
 {
@@ -29,11 +41,14 @@ static uint32_t number_of(struct tissue_solve *solve, uint32_t body, uint32_t no
     if (solve->node_count >= room)
         return DPT_NONE;
     const struct loaded_step *step = &solve->bodies[body].step;
+    uint16_t *last = last_of_slice(solve, body, node / LANES);
     solve->nodes[solve->node_count] = (struct tissue_node){ .body = body,
                                                             .node = node,
                                                             .response = dpti_loaded_step_response(step, node),
-                                                            .begin = dpti_loaded_step_place(step, node) };
+                                                            .begin = dpti_loaded_step_place(step, node),
+                                                            .next = *last };
     solve->table[slot] = ++solve->node_count;
+    *last = (uint16_t)solve->node_count;
     return solve->node_count - 1;
 }
 
@@ -166,19 +181,19 @@ static void add_spread(struct linking *linking, const struct surface *surface, c
     add_corners(linking, surface, touch);
 }
 
-/* The points of a channel that a touch of its shaft loads. */
-static void add_points(struct linking *linking, const struct surface *surface, const struct touch *touch)
+/* The point of a channel. What else touches along a shaft loads such points (tissue_shaft.h), and has no nodes of its own. */
+static void add_point(struct linking *linking, const struct surface *surface, const struct touch *touch)
 {
-    const struct channel *channel = linking->solve->shafts[shaft_of_touch(touch)].channel;
-    for (uint32_t i = 0; i < channel->point_count; i++) {
-        const struct channel_point *point = &channel->points[i];
-        const double share = shaft_share(linking->solve, touch, i);
-        for (uint32_t h = 0; share > 0.0 && h < point->hit_count; h++)
-            for (uint32_t k = 0; k < 3; k++)
-                if (point->hits[h].weight[k] != 0.0)
-                    add_corner(linking, surface_corner(surface, point->hits[h].triangle, k),
-                               share * point->hits[h].weight[k]);
-    }
+    const uint32_t number = shaft_touch_kind(touch);
+    if (number >= SHAFT_MEAN)
+        return;
+    struct tissue_shaft *shaft = &linking->solve->shafts[shaft_of_touch(touch)];
+    const struct channel_point *point = &shaft->channel->points[number];
+    for (uint32_t h = 0; h < point->hit_count; h++)
+        for (uint32_t k = 0; k < 3; k++)
+            if (point->hits[h].weight[k] != 0.0)
+                add_corner(linking, surface_corner(surface, point->hits[h].triangle, k), point->hits[h].weight[k]);
+    shaft->touch[number] = linking->has_room ? linking->touch + 1 : 0;
 }
 
 /* Returns 0 if there is no room for the nodes that the touch loads. */
@@ -200,10 +215,14 @@ static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
     solve->push[i] = (vec3){ 0.0, 0.0, 0.0 };
     if (link->body == DPT_NONE)
         return 1;
-    const struct body *body = solve->bodies[link->body].body;
+    struct tissue_body *of = &solve->bodies[link->body];
+    const uint32_t shaft = touch->shaft ? shaft_of_touch(touch) + 1 : 0;
+    of->shaft = of->is_touched && of->shaft != shaft ? 0 : shaft;
+    of->is_touched = 1;
+    const struct body *body = of->body;
     row->within = frame_turn_back(&body->frame, touch->normal);
     if (touch->shaft)
-        add_points(&linking, &body->surface, touch);
+        add_point(&linking, &body->surface, touch);
     else if (deform_of(body)->def.load_radius > 0.0)
         add_spread(&linking, &body->surface, touch, may_be_narrow);
     else
@@ -216,6 +235,13 @@ static void forget_links(struct tissue_solve *solve)
 {
     solve->node_count = solve->weight_count = solve->linked = 0;
     memset(solve->table, 0, sizeof solve->table);
+    memset(solve->slices, 0, sizeof solve->slices);
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        solve->bodies[b].is_touched = solve->bodies[b].shaft = 0;
+    for (uint32_t i = 0; i < solve->shaft_count; i++) {
+        memset(solve->shafts[i].touch, 0, sizeof solve->shafts[i].touch);
+        solve->shafts[i].has_products = 0;
+    }
 }
 
 /* With the least gap first; those for which there is no room load corners alone, or are left out. */
@@ -267,14 +293,15 @@ static struct tissue_node *next_moved(struct tissue_solve *solve, const struct t
     return NULL;
 }
 
-void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link)
+void dpti_tissue_spread_touch(struct tissue_solve *solve, const struct tissue_link *link, double share)
 {
     for (uint32_t k = 0; k < link->count; k++) {
         const struct tissue_node *node = &solve->nodes[link->node[k]], *other;
+        const double weight = share * link->weight[k];
         double response;
-        solve->spread[link->node[k]] += link->weight[k] * node->response;
+        solve->spread[link->node[k]] += weight * node->response;
         for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)
-            solve->spread[other - solve->nodes] += link->weight[k] * response;
+            solve->spread[other - solve->nodes] += weight * response;
     }
 }
 
@@ -317,13 +344,17 @@ void dpti_tissue_add_answer(struct tissue_solve *solve, const struct tissue_link
     }
 }
 
-void dpti_tissue_add_known(struct tissue_solve *solve, const struct tissue_row *row, double force)
+void dpti_tissue_push_tool(struct tissue_solve *solve, const struct tissue_row *row, double force)
 {
-    const struct tissue_link *link = &solve->links[row->touch];
-    struct tissue_tool *tool = &solve->tools[link->tool];
+    struct tissue_tool *tool = &solve->tools[solve->links[row->touch].tool];
     for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
         tool->known[k] += force * row->lever[k] / tool->stiffness;
-    dpti_tissue_add_answer(solve, link, -force, row->within);
+}
+
+void dpti_tissue_add_known(struct tissue_solve *solve, const struct tissue_row *row, double force)
+{
+    dpti_tissue_push_tool(solve, row, force);
+    dpti_tissue_add_answer(solve, &solve->links[row->touch], -force, row->within);
 }
 
 void dpti_tissue_answer(struct tissue_solve *solve)
@@ -334,7 +365,7 @@ void dpti_tissue_answer(struct tissue_solve *solve)
         struct tissue_node *node = &solve->nodes[i], *other;
         const vec3 load = node->load;
         double response;
-        if (load.x == 0.0 && load.y == 0.0 && load.z == 0.0)
+        if ((load.x == 0.0 && load.y == 0.0 && load.z == 0.0) || solve->bodies[node->body].shaft)
             continue;
         node->answer = along(node->answer, node->response, load);
         for (uint32_t entry = 0; (other = next_moved(solve, node, &entry, &response)) != NULL;)

@@ -5,6 +5,7 @@
 #include "insertion/region_law.h"
 #include "proxy/channel_line.h"
 #include "proxy/proxy.h"
+#include "tissue/shaft_points.h"
 #include "tissue/tissue_link.h"
 
 /* A touch has so many rows at most. */
@@ -70,7 +71,7 @@ static void add_points(struct tissue_solve *solve, const struct touch_search *se
     const struct body *body = shaft->body;
     vec3 across[2];
     unit_across(shaft->axis, across);
-    for (uint32_t i = 0; i < shaft->point_count; i++) {
+    for (uint32_t i = 0; i < shaft->channel->point_count; i++) {
         const vec3 at = frame_to_world(&body->frame, dpti_channel_point_at(&body->surface, &shaft->channel->points[i]));
         add_touch(solve, search, i, at, across[0]);
     }
@@ -140,6 +141,8 @@ static void set_shaft(struct tissue_solve *solve, const struct touch_search *sea
     shaft->wall = dpti_channel_stop(channel, dpti_proxy_clearance(world));
     shaft->stop = min_of(shaft->wall, in->place + in->pace);
     shaft->uncut = shaft->cutting > 0.0 ? dpti_channel_uncut(channel) : HUGE_VAL;
+    for (uint32_t i = 0; i < channel->point_count; i++)
+        shaft->share[i] = dpti_channel_share(channel, i, in->shared);
     set_across(shaft, search->tool->stiffness, tip);
     add_points(solve, search);
     add_touch(solve, search, SHAFT_MEAN, along(tip, -0.5 * in->inside, axis), scaled(axis, -1.0));
@@ -213,38 +216,41 @@ static void add_rows_of(struct tissue_solve *solve, uint32_t index)
     }
 }
 
+/* Rows that only push come first, as the solver begins with them: then its factor is in order. */
 void dpti_shafts_add_rows(struct tissue_solve *solve)
 {
-    for (uint32_t i = 0; i < solve->touches.count; i++)
-        if (solve->touches.touch[i].shaft && solve->row_count + ROWS_OF_TOUCH <= TISSUE_ROWS)
-            add_rows_of(solve, i);
-        else if (solve->touches.touch[i].shaft)
-            solve->is_full = 1;
+    for (int is_two_sided = 0; is_two_sided < 2; is_two_sided++)
+        for (uint32_t i = 0; i < solve->touches.count; i++) {
+            const struct touch *touch = &solve->touches.touch[i];
+            if (!touch->shaft || (shaft_touch_kind(touch) != SHAFT_TIP) != is_two_sided)
+                continue;
+            if (solve->row_count + ROWS_OF_TOUCH <= TISSUE_ROWS)
+                add_rows_of(solve, i);
+            else
+                solve->is_full = 1;
+        }
 }
 
 void dpti_shafts_set_known(struct tissue_solve *solve)
 {
+    dpti_shafts_forget_known(solve);
     for (uint32_t i = 0; i < solve->shaft_count; i++) {
         const struct tissue_shaft *shaft = &solve->shafts[i];
         if (shaft->friction_row && shaft->is_slipping)
-            dpti_tissue_add_known(solve, &solve->rows[shaft->friction_row], shaft->pull);
+            dpti_shaft_push(solve, &solve->rows[shaft->friction_row], shaft->pull);
         if (shaft->cut_row && shaft->is_cutting)
-            dpti_tissue_add_known(solve, &solve->rows[shaft->cut_row], shaft->cutting);
+            dpti_shaft_push(solve, &solve->rows[shaft->cut_row], shaft->cutting);
     }
+    dpti_shafts_push_nodes(solve);
 }
 
 /* How far the tool would go along a row, and its body against it, since the step began, without pushes to be found. */
 static double moved_along(const struct tissue_solve *solve, const struct tissue_row *row)
 {
-    const struct tissue_link *link = &solve->links[row->touch];
-    const struct tissue_tool *tool = &solve->tools[link->tool];
-    double sum = 0.0;
+    const struct tissue_tool *tool = &solve->tools[solve->links[row->touch].tool];
+    double sum = -dot(row->within, dpti_shaft_moved(solve, row));
     for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
         sum += row->lever[k] * tool->known[k];
-    for (uint32_t k = 0; k < link->count; k++) {
-        const struct tissue_node *node = &solve->nodes[link->node[k]];
-        sum -= link->weight[k] * dot(row->within, add(node->moved, node->answer));
-    }
     return sum;
 }
 
@@ -268,6 +274,7 @@ static void set_gaps_across(struct tissue_solve *solve, const struct tissue_shaf
 
 void dpti_shafts_set_gaps(struct tissue_solve *solve)
 {
+    dpti_shafts_find_moved(solve);
     for (uint32_t i = 0; i < solve->shaft_count; i++) {
         const struct tissue_shaft *shaft = &solve->shafts[i];
         const double stop = shaft->stop - shaft->place, uncut = shaft->uncut - shaft->place;

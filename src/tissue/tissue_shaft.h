@@ -30,17 +30,6 @@ static inline uint32_t shaft_touch_kind(const struct touch *touch)
  */
 void dpti_shafts_gather(struct tissue_solve *solve, const struct touch_search *search, int is_solved);
 
-/* What a touch of a shaft loads: so much of a point of its channel, by its number; 0: nothing. */
-static inline double shaft_share(const struct tissue_solve *solve, const struct touch *touch, uint32_t point)
-{
-    const struct tissue_shaft *shaft = &solve->shafts[shaft_of_touch(touch)];
-    const uint32_t kind = shaft_touch_kind(touch);
-    if (kind == SHAFT_MEAN)
-        return dpti_channel_share(shaft->channel, point, shaft->shared);
-    if (kind == SHAFT_TIP)
-        return point + 1 == shaft->channel->point_count ? 1.0 : 0.0;
-    return point == kind ? 1.0 : 0.0;
-}
 
 /* After touches were linked, and before any other rows are added: their rows. */
 void dpti_shafts_add_rows(struct tissue_solve *solve);

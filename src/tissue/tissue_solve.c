@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "proxy/proxy.h"
+#include "tissue/shaft_points.h"
 #include "tissue/tissue_friction.h"
 #include "tissue/tissue_link.h"
 #include "tissue/tissue_shaft.h"
@@ -19,17 +20,15 @@
 static void foresee(struct tissue_solve *solve)
 {
     double moved[SPRING_ROWS], slid[SPRING_ROWS];
-    for (uint32_t i = 0; i < solve->node_count; i++) {
-        const uint32_t body = solve->nodes[i].body, slice = solve->nodes[i].node / LANES;
-        struct loaded_step *step = &solve->bodies[body].step;
+    for (uint32_t i = solve->node_count; i-- > 0;) {
+        struct loaded_step *step = &solve->bodies[solve->nodes[i].body].step;
         if (solve->nodes[i].is_foreseen)
             continue;
-        dpti_loaded_step_foresee(step, slice, moved, slid);
-        for (uint32_t k = i; k < solve->node_count; k++) {
-            struct tissue_node *node = &solve->nodes[k];
+        dpti_loaded_step_foresee(step, solve->nodes[i].node / LANES, moved, slid);
+        /* The last one that was made knows those before. */
+        for (uint32_t k = i + 1; k > 0; k = solve->nodes[k - 1].next) {
+            struct tissue_node *node = &solve->nodes[k - 1];
             const uint32_t lane = node->node % LANES;
-            if (node->body != body || node->node / LANES != slice)
-                continue;
             const vec3 by = { moved[lane], moved[LANES + lane], moved[2 * LANES + lane] };
             node->slid = (vec3){ slid[lane], slid[LANES + lane], slid[2 * LANES + lane] };
             node->moved = sub(add(dpti_loaded_step_place(step, node->node), by), node->begin);
@@ -63,6 +62,13 @@ static double lever_product(const double *lever, const double *unknowns)
     return sum;
 }
 
+/* How far the point of a row moves by what is in `spread`. */
+static double spread_at_row(const struct tissue_solve *solve, const struct tissue_row *row)
+{
+    return solve->touches.touch[row->touch].shaft ? dpti_shaft_spread_at(solve, row)
+                                                  : tissue_spread_at(solve, &solve->links[row->touch]);
+}
+
 /* What a newton of a twist does to the gaps of all: it turns its tool, and its couple moves nodes along each axis. */
 static void give_column_of_twist(struct tissue_solve *solve, const struct tissue_row *row, uint32_t first,
                                  double *column)
@@ -75,15 +81,13 @@ static void give_column_of_twist(struct tissue_solve *solve, const struct tissue
                         : 0.0;
     for (uint32_t axis = 0; axis < 3; axis++) {
         const struct tissue_link part = dpti_twist_part(solve, &tool->twist, axis);
-        dpti_tissue_spread_touch(solve, &part);
+        dpti_tissue_spread_touch(solve, &part, 1.0);
         for (uint32_t i = first; i < solve->row_count; i++) {
             const struct tissue_row *other = &solve->rows[i];
             const struct tissue_link *its = &solve->links[other->touch];
-            double sum = 0.0;
             if (its->body != link->body)
                 continue;
-            for (uint32_t k = 0; k < its->count && !other->is_twist; k++)
-                sum += its->weight[k] * solve->spread[its->node[k]];
+            const double sum = other->is_twist ? 0.0 : spread_at_row(solve, other);
             column[i] += other->is_twist ? dpti_twist_product(solve, &solve->tools[its->tool].twist, twist_axis(axis))
                                          : sum * dot(other->within, twist_axis(axis));
         }
@@ -104,7 +108,11 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
         give_column_of_twist(solve, row, first, column);
         return;
     }
-    dpti_tissue_spread_touch(solve, link);
+    if (solve->touches.touch[row->touch].shaft) {
+        dpti_shafts_give_column(solve, index, first, column);
+        return;
+    }
+    dpti_tissue_spread_touch(solve, link, 1.0);
     for (uint32_t i = first; i < solve->row_count; i++) {
         const struct tissue_row *other = &solve->rows[i];
         const struct tissue_link *its = &solve->links[other->touch];
@@ -112,8 +120,7 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
         if (other->is_twist && link->body != DPT_NONE && its->body == link->body) {
             sum = dpti_twist_product(solve, &solve->tools[its->tool].twist, row->within);
         } else if (link->body != DPT_NONE && its->body == link->body) {
-            for (uint32_t k = 0; k < its->count; k++)
-                sum += its->weight[k] * solve->spread[its->node[k]];
+            sum = spread_at_row(solve, other);
             products += its->count;
             sum *= dot(other->within, row->within);
         }
@@ -161,12 +168,15 @@ static void set_gaps_of_touches(struct tissue_solve *solve)
         const struct tissue_row *row = &solve->rows[i];
         const struct tissue_link *link = &solve->links[i];
         const struct tissue_tool *tool = &solve->tools[link->tool];
+        solve->free_gap[i] = 0.0;
+        solve->kind[i] = COMPLEMENTARITY_WATCHED;
+        if (solve->touches.touch[i].shaft)
+            continue;
         const double moved = felt_gap(solve, i) - dot(row->within, point_moved(solve, link, 0));
-        const double now =
-            solve->touches.touch[i].shaft ? 0.0 : moved + lever_product(row->lever, tool->end) + link->yielded;
+        const double now = moved + lever_product(row->lever, tool->end) + link->yielded;
         solve->free_gap[i] = moved + lever_product(row->lever, tool->known) -
                              dot(row->within, point_moved(solve, link, 1)) - (1.0 - RECOVERED) * min_of(now, 0.0);
-        solve->kind[i] = solve->touches.touch[i].shaft ? COMPLEMENTARITY_WATCHED : COMPLEMENTARITY_CONSTRAINT;
+        solve->kind[i] = COMPLEMENTARITY_CONSTRAINT;
     }
 }
 
@@ -284,13 +294,14 @@ static void find_loads(struct tissue_solve *solve)
         solve->nodes[i].load = (vec3){ 0.0, 0.0, 0.0 };
     for (uint32_t i = 0; i < solve->row_count; i++) {
         const struct tissue_link *link = &solve->links[solve->rows[i].touch];
-        if (solve->multiplier[i] == 0.0)
+        if (solve->multiplier[i] == 0.0 || solve->touches.touch[solve->rows[i].touch].shaft)
             continue;
         for (uint32_t k = 0; k < link->count; k++) {
             vec3 *load = &solve->nodes[link->node[k]].load;
             *load = along(*load, -solve->multiplier[i] * link->weight[k], solve->rows[i].within);
         }
     }
+    dpti_shafts_load_nodes(solve);
     for (uint32_t t = 0; t < solve->tool_count; t++) {
         const struct tissue_twist *twist = &solve->tools[t].twist;
         const double pull = twist->row ? solve->multiplier[twist->row] : 0.0;
@@ -304,10 +315,12 @@ static void find_loads(struct tissue_solve *solve)
 
 static double farthest_of(const struct tissue_solve *solve)
 {
-    double farthest = 0.0;
+    double farthest = dpti_shafts_farthest(solve);
     for (uint32_t i = 0; i < solve->touches.count; i++) {
         const struct tissue_link *link = &solve->links[i];
         vec3 moved = { 0.0, 0.0, 0.0 };
+        if (solve->touches.touch[i].shaft)
+            continue;
         for (uint32_t k = 0; k < link->count; k++) {
             const struct tissue_node *node = &solve->nodes[link->node[k]];
             moved = along(moved, link->weight[k], add(node->moved, node->answer));

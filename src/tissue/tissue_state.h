@@ -14,6 +14,7 @@ enum {
     TISSUE_NODES_MAX = 1536,
     TISSUE_WEIGHTS_MAX = 16384,
     TISSUE_TABLE = 4096,
+    TISSUE_SLICES = 2048,
     TISSUE_BODIES_MAX = 16,
     TISSUE_TOOLS_MAX = 16,
     TISSUE_RUBS_MAX = 64,
@@ -26,6 +27,8 @@ enum {
 struct tissue_body {
     uint32_t number; /* the caller's */
     const struct body *body;
+    uint32_t is_touched;
+    uint32_t shaft; /* one more than the number of the shaft that alone touches it; 0: others do, too, or nothing does */
     struct loaded_step step;
 };
 
@@ -88,6 +91,7 @@ struct tissue_node {
     vec3 load;       /* N, of a substep's answer */
     vec3 answer;     /* m: what pushes add to both: those that are known, and in the end all */
     int is_foreseen; /* `moved` is of this substep */
+    uint32_t next;   /* one more than the number of another node of its slice; 0: none */
     uint32_t seen;   /* by the link that was made last of those that load it: its number */
     uint32_t place;  /* in that touch's link */
 };
@@ -149,6 +153,13 @@ struct tissue_shaft {
     uint32_t point_count; /* of those that hold it */
     const struct body *body;
     vec3 axis;                               /* of the tool at its proxy, in the world */
+    uint32_t touch[CHANNEL_POINTS_MAX];      /* one more than that of each point of the channel; 0: it has none */
+    double share[CHANNEL_POINTS_MAX];        /* of each point in the mean of all */
+    vec3 moved[CHANNEL_POINTS_MAX];          /* m: how far each would go, as a node's `moved` and `answer`, in the body's frame */
+    vec3 known[CHANNEL_POINTS_MAX];          /* N, likewise: what is known to load it */
+    vec3 load[CHANNEL_POINTS_MAX];           /* N: all that loads it in a substep */
+    double product[CHANNEL_POINTS_MAX][CHANNEL_POINTS_MAX]; /* m/N: how far a newton on one moves the other along itself */
+    uint32_t has_products;
     double across[CHANNEL_POINTS_MAX];       /* N/m */
     vec3 offset[CHANNEL_POINTS_MAX];         /* as a point's, in the world */
     uint32_t across_row[CHANNEL_POINTS_MAX]; /* the first of two */
@@ -210,6 +221,7 @@ struct tissue_solve {
     struct tissue_row rows[COMPLEMENTARITY_MAX];
     uint8_t kind[COMPLEMENTARITY_MAX]; /* of the rows, for the solver */
     uint32_t table[TISSUE_TABLE];      /* one more than a node's number; 0: none */
+    uint16_t slices[TISSUE_SLICES];    /* of slices of nodes: likewise of the last one that was made */
     double spread[TISSUE_NODES_MAX];   /* how a newton of one touch moves each node; zero between uses */
     double free_gap[COMPLEMENTARITY_MAX];
     double multiplier[COMPLEMENTARITY_MAX]; /* N, of each row in a substep */
