@@ -45,8 +45,7 @@ void dpti_explicit_undo(struct explicit_step *step, int is_taken);
  * the part of it by which the loads of the substep before had not moved them yet. Of a slice that sleeps: where it would
  * go if the load that it fell asleep with were gone.
  */
-void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
-                           double slid[SPRING_ROWS]);
+void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double *restrict moved, double *restrict slid);
 
 /* Where a node is in the step so far, m, with what its floats have lost. */
 vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node);

@@ -194,8 +194,7 @@ vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node)
     return spring_place(state_of(step), node);
 }
 
-void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double moved[SPRING_ROWS],
-                           double slid[SPRING_ROWS])
+void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double *restrict moved, double *restrict slid)
 {
     const struct dpt_springs *springs = step->springs;
     const float *load = springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice;
@@ -212,11 +211,15 @@ void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double mo
     }
     springs->kernel.spring_move(&step->motion, springs->nodes + slice, force_on(step, slice), load, from, &to, points,
                                 &square);
-    for (uint32_t i = 0; i < SPRING_ROWS; i++) {
+    for (uint32_t i = 0; i < SPRING_ROWS; i++)
         moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
-        slid[i] = step->motion.is_euler ? h * (double)to.v[i] : moved[i];
-        if (step->motion.is_euler)
-            moved[i] += slid[i];
+    if (!step->motion.is_euler) {
+        memcpy(slid, moved, SPRING_ROWS * sizeof *slid);
+        return;
+    }
+    for (uint32_t i = 0; i < SPRING_ROWS; i++) {
+        slid[i] = h * (double)to.v[i];
+        moved[i] += slid[i];
     }
 }
 

@@ -87,7 +87,7 @@ static void swap_places(struct complementarity *problem, uint32_t k, uint32_t ot
 /* The column of a row, in the place of position k or a later one, which comes to k. */
 static const double *column_at(struct complementarity *problem, uint32_t k, uint32_t index)
 {
-    for (uint32_t other = k; other < COMPLEMENTARITY_ACTIVE_MAX; other++)
+    for (uint32_t other = k; other < problem->places; other++)
         if (problem->owner[problem->place[other]] == index) {
             swap_places(problem, k, other);
             break;
@@ -96,6 +96,7 @@ static const double *column_at(struct complementarity *problem, uint32_t k, uint
     if (problem->owner[place] != index) {
         problem->owner[place] = index;
         problem->filled[place] = 0;
+        problem->places = k < problem->places ? problem->places : k + 1;
     }
     if (problem->filled[place] < problem->count)
         problem->column(problem->user, index, problem->filled[place], problem->columns[place]);
@@ -186,7 +187,7 @@ static void begin_matrix(struct complementarity *problem)
     if (problem->matrix && problem->matrix == problem->known_matrix)
         return;
     problem->known_matrix = problem->matrix;
-    problem->factored_count = 0;
+    problem->factored_count = problem->places = 0;
     for (uint32_t k = 0; k < COMPLEMENTARITY_ACTIVE_MAX; k++) {
         problem->place[k] = k;
         problem->owner[k] = DPT_NONE;

@@ -55,6 +55,7 @@ struct complementarity {
      * were asked for. The factor is that of the rows `factored`.
      */
     uint32_t known_matrix;
+    uint32_t places; /* that may hold columns: those before */
     uint32_t place[COMPLEMENTARITY_ACTIVE_MAX];
     uint32_t owner[COMPLEMENTARITY_ACTIVE_MAX]; /* of each place: the row whose column it holds, or DPT_NONE */
     uint32_t filled[COMPLEMENTARITY_ACTIVE_MAX];

@@ -144,15 +144,20 @@ double dpti_channel_share(const struct channel *channel, uint32_t number, double
     return dpti_channel_held_by(channel, number, anchor) / sum;
 }
 
-double dpti_channel_mean_place(const struct channel *channel, const struct surface *surface, double anchor, vec3 tip,
+void dpti_channel_points_at(const struct channel *channel, const struct surface *surface, vec3 at[CHANNEL_POINTS_MAX])
+{
+    for (uint32_t i = 0; i < channel->point_count; i++)
+        at[i] = dpti_channel_point_at(surface, &channel->points[i]);
+}
+
+double dpti_channel_mean_place(const struct channel *channel, const vec3 at[CHANNEL_POINTS_MAX], double anchor, vec3 tip,
                                vec3 axis)
 {
     double sum = 0.0;
     for (uint32_t i = 0; i < channel->point_count; i++) {
-        const struct channel_point *point = &channel->points[i];
         const double share = dpti_channel_share(channel, i, anchor);
         if (share > 0.0)
-            sum += share * (dot(sub(tip, dpti_channel_point_at(surface, point)), axis) + point->place);
+            sum += share * (dot(sub(tip, at[i]), axis) + channel->points[i].place);
     }
     return sum;
 }

@@ -35,8 +35,11 @@ double dpti_channel_held_by(const struct channel *channel, uint32_t number, doub
 /* Of the mean of all points: the share of one, by what each holds. */
 double dpti_channel_share(const struct channel *channel, uint32_t number, double anchor);
 
-/* Where a tip is by that mean: both in the body's frame. */
-double dpti_channel_mean_place(const struct channel *channel, const struct surface *surface, double anchor, vec3 tip,
+/* Where all points are, in the body's frame. */
+void dpti_channel_points_at(const struct channel *channel, const struct surface *surface, vec3 at[CHANNEL_POINTS_MAX]);
+
+/* Where a tip is by that mean: all in the body's frame. */
+double dpti_channel_mean_place(const struct channel *channel, const vec3 at[CHANNEL_POINTS_MAX], double anchor, vec3 tip,
                                vec3 axis);
 
 /*

@@ -79,7 +79,9 @@ static void update_bristles(const struct dpt_world *world, struct inserted *in, 
 {
     const struct surface *surface = &body->surface;
     const vec3 at = frame_to_local(&body->frame, tip), along_axis = frame_turn_back(&body->frame, axis);
-    const double mean = dpti_channel_mean_place(channel, surface, in->shared, at, along_axis);
+    vec3 points[CHANNEL_POINTS_MAX];
+    dpti_channel_points_at(channel, surface, points);
+    const double mean = dpti_channel_mean_place(channel, points, in->shared, at, along_axis);
     const struct pierce_law law = dpti_shaft_law(world, body, channel, in->shared);
     const double stretch = stretch_of(in, &law, mean);
     in->anchor = in->place - stretch;
@@ -88,7 +90,7 @@ static void update_bristles(const struct dpt_world *world, struct inserted *in, 
         return;
     in->shared = in->anchor;
     in->inside = dpti_channel_inside(channel, in->anchor);
-    in->rest = dpti_channel_mean_place(channel, surface, in->shared, at, along_axis) - stretch;
+    in->rest = dpti_channel_mean_place(channel, points, in->shared, at, along_axis) - stretch;
     in->is_shared = 1;
     in->has_slipped = 0;
 }

@@ -48,11 +48,15 @@ static int is_alone(const struct tissue_solve *solve, uint32_t shaft)
     return 1;
 }
 
-static void find_products(struct tissue_solve *solve, struct tissue_shaft *shaft)
+/* How far newtons on the points of a shaft move all of them. */
+static const struct shaft_products *products_of(struct tissue_solve *solve, uint32_t number)
 {
+    const struct tissue_shaft *shaft = &solve->shafts[number];
+    struct shaft_products *made = &solve->products[number];
     uint32_t products = 0;
-    memset(shaft->product, 0, sizeof shaft->product);
-    shaft->has_products = 1;
+    if (made->is_known)
+        return made;
+    *made = (struct shaft_products){ .is_known = 1 };
     for (uint32_t i = 0; i < shaft->channel->point_count; i++) {
         const struct tissue_link *link = link_of(solve, shaft, i), *other;
         if (!link)
@@ -60,12 +64,13 @@ static void find_products(struct tissue_solve *solve, struct tissue_shaft *shaft
         dpti_tissue_spread_touch(solve, link, 1.0);
         for (uint32_t k = 0; k <= i; k++)
             if ((other = link_of(solve, shaft, k)) != NULL) {
-                shaft->product[i][k] = shaft->product[k][i] = tissue_spread_at(solve, other);
+                made->of[i][k] = made->of[k][i] = tissue_spread_at(solve, other);
                 products += other->count;
             }
         dpti_tissue_clear_spread(solve, link);
     }
     work_spend(&solve->work, products / LANES + 1);
+    return made;
 }
 
 static double sum_of(const struct loaded_points *points, const double *of)
@@ -89,27 +94,38 @@ double dpti_shaft_spread_at(const struct tissue_solve *solve, const struct tissu
     return sum;
 }
 
-/* A newton of a row, as it moves the points of its own shaft. */
-struct moved_points {
+/* A newton of a row, as it moves what touches along its own shaft, m: by the kind of touch. */
+struct moved_touches {
     uint32_t shaft;
-    double by[CHANNEL_POINTS_MAX]; /* m */
+    double by[SHAFT_TOUCHES];
 };
 
+static void set_moved(const struct tissue_solve *solve, const struct shaft_products *products,
+                      const struct loaded_points *points, struct moved_touches *moved)
+{
+    const struct tissue_shaft *shaft = &solve->shafts[moved->shaft];
+    const uint32_t count = shaft->channel->point_count;
+    for (uint32_t i = 0; i < count; i++)
+        moved->by[i] = sum_of(points, products->of[i]);
+    moved->by[SHAFT_TIP] = moved->by[count - 1];
+    moved->by[SHAFT_MEAN] = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+        moved->by[SHAFT_MEAN] += shaft->share[i] * moved->by[i];
+}
+
 /* How far the point of another row moves, if a newton of one moves those of its shaft, and nodes by `spread`. */
-static double product_of(const struct tissue_solve *solve, const struct moved_points *moved,
+static double product_of(const struct tissue_solve *solve, const struct moved_touches *moved,
                          const struct tissue_row *row, const struct tissue_row *other)
 {
     const struct tissue_link *its = &solve->links[other->touch];
-    const int has_shaft = solve->touches.touch[other->touch].shaft != 0;
+    const struct touch *touch = &solve->touches.touch[other->touch];
     if (other->is_twist)
         return dpti_twist_product(solve, &solve->tools[its->tool].twist, row->within);
     const double along_both = dot(other->within, row->within);
-    if (!has_shaft)
+    if (!touch->shaft)
         return tissue_spread_at(solve, its) * along_both;
-    if (shaft_of_row(solve, other) != moved->shaft)
-        return dpti_shaft_spread_at(solve, other) * along_both;
-    const struct loaded_points points = points_of(solve, other);
-    return sum_of(&points, moved->by) * along_both;
+    return along_both * (shaft_of_touch(touch) == moved->shaft ? moved->by[shaft_touch_kind(touch)]
+                                                               : dpti_shaft_spread_at(solve, other));
 }
 
 static void spread_points(struct tissue_solve *solve, const struct tissue_row *row, int is_over)
@@ -133,24 +149,24 @@ void dpti_shafts_give_column(struct tissue_solve *solve, uint32_t index, uint32_
     const struct tissue_link *link = &solve->links[row->touch];
     const double stiffness = solve->tools[link->tool].stiffness;
     const struct loaded_points points = points_of(solve, row);
-    struct moved_points moved = { .shaft = shaft_of_row(solve, row) };
-    struct tissue_shaft *shaft = &solve->shafts[moved.shaft];
+    struct moved_touches moved = { .shaft = shaft_of_row(solve, row) };
     const int has_others = !is_alone(solve, moved.shaft);
-    if (!shaft->has_products)
-        find_products(solve, shaft);
-    for (uint32_t i = 0; i < shaft->channel->point_count; i++)
-        moved.by[i] = sum_of(&points, shaft->product[i]);
+    set_moved(solve, products_of(solve, moved.shaft), &points, &moved);
     if (has_others)
         spread_points(solve, row, 0);
     for (uint32_t i = first; i < solve->row_count; i++) {
         const struct tissue_row *other = &solve->rows[i];
         const struct tissue_link *its = &solve->links[other->touch];
-        double sum = 0.0;
+        double sum = 0.0, product = 0.0;
+        column[i] = 0.0;
+        /* Those of touches are not asked for. */
+        if (i < solve->touches.count && solve->touches.touch[i].shaft)
+            continue;
         if (link->body != DPT_NONE && its->body == link->body)
             sum = product_of(solve, &moved, row, other);
         for (uint32_t k = 0; k < TOUCH_DIMENSIONS && its->tool == link->tool; k++)
-            sum += row->lever[k] * other->lever[k] / stiffness;
-        column[i] = sum;
+            product += row->lever[k] * other->lever[k];
+        column[i] = sum + product / stiffness;
     }
     if (index >= first)
         column[index] += row->compliance;
@@ -205,11 +221,11 @@ static vec3 moved_by_nodes(const struct tissue_solve *solve, const struct tissue
 }
 
 /* How far forces on the points of a shaft move one of them. */
-static vec3 moved_by_points(const struct tissue_shaft *shaft, uint32_t point, const vec3 *force)
+static vec3 moved_by_points(const struct tissue_solve *solve, uint32_t shaft, uint32_t point, const vec3 *force)
 {
     vec3 moved = { 0.0, 0.0, 0.0 };
-    for (uint32_t i = 0; i < shaft->channel->point_count; i++)
-        moved = along(moved, shaft->product[point][i], force[i]);
+    for (uint32_t i = 0; i < solve->shafts[shaft].channel->point_count; i++)
+        moved = along(moved, solve->products[shaft].of[point][i], force[i]);
     return moved;
 }
 
@@ -218,13 +234,13 @@ void dpti_shafts_find_moved(struct tissue_solve *solve)
     for (uint32_t i = 0; i < solve->shaft_count; i++) {
         struct tissue_shaft *shaft = &solve->shafts[i];
         const int needs_products = is_alone(solve, i);
-        if (needs_products && !shaft->has_products)
-            find_products(solve, shaft);
+        if (needs_products)
+            products_of(solve, i);
         for (uint32_t k = 0; k < shaft->channel->point_count; k++) {
             const struct tissue_link *link = link_of(solve, shaft, k);
             shaft->moved[k] = link ? moved_by_nodes(solve, link) : (vec3){ 0.0, 0.0, 0.0 };
             if (link && needs_products)
-                shaft->moved[k] = add(shaft->moved[k], moved_by_points(shaft, k, shaft->known));
+                shaft->moved[k] = add(shaft->moved[k], moved_by_points(solve, i, k, shaft->known));
         }
     }
 }
@@ -275,15 +291,17 @@ double dpti_shafts_farthest(const struct tissue_solve *solve)
         const struct tissue_shaft *shaft = &solve->shafts[i];
         const int moves_by_points = is_alone(solve, i);
         double end[TOUCH_DIMENSIONS];
+        vec3 pushed[CHANNEL_POINTS_MAX];
         end_of(solve, shaft->tool, end);
+        for (uint32_t k = 0; k < shaft->channel->point_count; k++)
+            pushed[k] = sub(shaft->load[k], shaft->known[k]);
         for (uint32_t k = 0; k < shaft->channel->point_count; k++) {
             const struct tissue_link *link = link_of(solve, shaft, k);
             double tool = 0.0;
             if (!link)
                 continue;
-            vec3 moved = moved_by_nodes(solve, link);
-            if (moves_by_points)
-                moved = add(moved, moved_by_points(shaft, k, shaft->load));
+            const vec3 moved = moves_by_points ? add(shaft->moved[k], moved_by_points(solve, i, k, pushed))
+                                               : moved_by_nodes(solve, link);
             for (uint32_t d = 0; d < TOUCH_DIMENSIONS; d++)
                 tool += solve->touches.touch[shaft->touch[k] - 1].row[d] * end[d];
             farthest = max_of(farthest, length(moved) + fabs(tool));

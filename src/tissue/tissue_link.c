@@ -187,13 +187,24 @@ static void add_point(struct linking *linking, const struct surface *surface, co
     const uint32_t number = shaft_touch_kind(touch);
     if (number >= SHAFT_MEAN)
         return;
-    struct tissue_shaft *shaft = &linking->solve->shafts[shaft_of_touch(touch)];
-    const struct channel_point *point = &shaft->channel->points[number];
+    const struct channel_point *point = &linking->solve->shafts[shaft_of_touch(touch)].channel->points[number];
     for (uint32_t h = 0; h < point->hit_count; h++)
         for (uint32_t k = 0; k < 3; k++)
             if (point->hits[h].weight[k] != 0.0)
                 add_corner(linking, surface_corner(surface, point->hits[h].triangle, k), point->hits[h].weight[k]);
-    shaft->touch[number] = linking->has_room ? linking->touch + 1 : 0;
+}
+
+/* The row along a touch's normal, which has pushed nothing yet. */
+static void set_row(struct tissue_solve *solve, uint32_t i)
+{
+    const struct touch *touch = &solve->touches.touch[i];
+    const uint32_t body = solve->links[i].body;
+    struct tissue_row *row = &solve->rows[i];
+    *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
+    memcpy(row->lever, touch->row, sizeof row->lever);
+    solve->push[i] = (vec3){ 0.0, 0.0, 0.0 };
+    if (body != DPT_NONE)
+        row->within = frame_turn_back(&solve->bodies[body].body->frame, touch->normal);
 }
 
 /* Returns 0 if there is no room for the nodes that the touch loads. */
@@ -201,7 +212,6 @@ static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
 {
     const struct touch *touch = &solve->touches.touch[i];
     struct tissue_link *link = &solve->links[i];
-    struct tissue_row *row = &solve->rows[i];
     struct linking linking = { solve, link, i, TISSUE_NODES_MAX, TISSUE_WEIGHTS_MAX, 1 };
     solve->linked++;
     *link = (struct tissue_link){ .body = body_of(solve, touch->body_id),
@@ -210,17 +220,10 @@ static int link_touch(struct tissue_solve *solve, uint32_t i, int may_be_narrow)
                                   .weight = solve->weight + solve->weight_count };
     if (!touch->shaft)
         set_yield(solve, link, touch);
-    *row = (struct tissue_row){ .touch = i, .along = touch->normal, .within = touch->normal };
-    memcpy(row->lever, touch->row, sizeof row->lever);
-    solve->push[i] = (vec3){ 0.0, 0.0, 0.0 };
+    set_row(solve, i);
     if (link->body == DPT_NONE)
         return 1;
-    struct tissue_body *of = &solve->bodies[link->body];
-    const uint32_t shaft = touch->shaft ? shaft_of_touch(touch) + 1 : 0;
-    of->shaft = of->is_touched && of->shaft != shaft ? 0 : shaft;
-    of->is_touched = 1;
-    const struct body *body = of->body;
-    row->within = frame_turn_back(&body->frame, touch->normal);
+    const struct body *body = solve->bodies[link->body].body;
     if (touch->shaft)
         add_point(&linking, &body->surface, touch);
     else if (deform_of(body)->def.load_radius > 0.0)
@@ -236,12 +239,9 @@ static void forget_links(struct tissue_solve *solve)
     solve->node_count = solve->weight_count = solve->linked = 0;
     memset(solve->table, 0, sizeof solve->table);
     memset(solve->slices, 0, sizeof solve->slices);
-    for (uint32_t b = 0; b < solve->body_count; b++)
-        solve->bodies[b].is_touched = solve->bodies[b].shaft = 0;
-    for (uint32_t i = 0; i < solve->shaft_count; i++) {
-        memset(solve->shafts[i].touch, 0, sizeof solve->shafts[i].touch);
-        solve->shafts[i].has_products = 0;
-    }
+    for (uint32_t i = 0; i < solve->shaft_count; i++)
+        solve->products[i].is_known = 0;
+    solve->kept_count = 0;
 }
 
 /* With the least gap first; those for which there is no room load corners alone, or are left out. */
@@ -264,17 +264,125 @@ static void link_nearest(struct tissue_solve *solve)
     }
 }
 
+/* ---- links that are kept ---- */
+
+static struct kept_link kept_as(const struct tissue_solve *solve, const struct touch *touch)
+{
+    const uint32_t body = body_of(solve, touch->body_id);
+    return (struct kept_link){ solve->shafts[shaft_of_touch(touch)].channel_id, shaft_touch_kind(touch), body,
+                               tool_of(solve, touch->tool_slot) };
+}
+
+/* How many touches of shafts come before all others. */
+static uint32_t count_first_shafts(const struct tissue_solve *solve)
+{
+    uint32_t count = 0;
+    while (count < solve->touches.count && solve->touches.touch[count].shaft)
+        count++;
+    return count;
+}
+
+static int are_links_kept(const struct tissue_solve *solve)
+{
+    const uint32_t count = solve->kept_count;
+    if (!count || count != count_first_shafts(solve))
+        return 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct kept_link now = kept_as(solve, &solve->touches.touch[i]);
+        if (memcmp(&now, &solve->kept[i], sizeof now) != 0)
+            return 0;
+    }
+    return 1;
+}
+
+static void keep_links(struct tissue_solve *solve, uint32_t count)
+{
+    if (count > KEPT_LINKS_MAX)
+        return;
+    for (uint32_t i = 0; i < count; i++)
+        solve->kept[i] = kept_as(solve, &solve->touches.touch[i]);
+    solve->kept_count = count;
+    solve->kept_nodes = solve->node_count;
+    solve->kept_weights = solve->weight_count;
+}
+
+/* Nodes that came after those of the links that are kept: the last one first, so that searches pass by no empty place. */
+static void forget_other_links(struct tissue_solve *solve)
+{
+    while (solve->node_count > solve->kept_nodes) {
+        const struct tissue_node *node = &solve->nodes[solve->node_count - 1];
+        solve->table[slot_of(solve, node->body, node->node)] = 0;
+        *last_of_slice(solve, node->body, node->node / LANES) = (uint16_t)node->next;
+        solve->node_count--;
+    }
+    solve->weight_count = solve->kept_weights;
+    solve->linked = solve->kept_count;
+}
+
+/* Nodes that are kept begin elsewhere in each step, and may answer loads otherwise. */
+static void begin_kept_nodes(struct tissue_solve *solve)
+{
+    const uint32_t last = shaft_of_touch(&solve->touches.touch[solve->kept_count - 1]);
+    int is_same = 1;
+    for (uint32_t i = 0; i < solve->node_count; i++) {
+        struct tissue_node *node = &solve->nodes[i];
+        const struct loaded_step *step = &solve->bodies[node->body].step;
+        const double response = dpti_loaded_step_response(step, node->node);
+        is_same &= response == node->response;
+        node->response = response;
+        node->begin = dpti_loaded_step_place(step, node->node);
+    }
+    for (uint32_t i = is_same ? last + 1 : 0; i < solve->shaft_count; i++)
+        solve->products[i].is_known = 0;
+}
+
+/* Which touches are those of points of shafts, and where a shaft alone touches a body. */
+static void note_shafts(struct tissue_solve *solve)
+{
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        solve->bodies[b].is_touched = solve->bodies[b].shaft = 0;
+    for (uint32_t i = 0; i < solve->touches.count; i++) {
+        const struct touch *touch = &solve->touches.touch[i];
+        const uint32_t shaft = touch->shaft ? shaft_of_touch(touch) + 1 : 0;
+        if (shaft && shaft_touch_kind(touch) < SHAFT_MEAN)
+            solve->shafts[shaft - 1].touch[shaft_touch_kind(touch)] = i + 1;
+        if (solve->links[i].body == DPT_NONE)
+            continue;
+        struct tissue_body *of = &solve->bodies[solve->links[i].body];
+        of->shaft = of->is_touched && of->shaft != shaft ? 0 : shaft;
+        of->is_touched = 1;
+    }
+}
+
+static int link_all(struct tissue_solve *solve)
+{
+    const uint32_t first = count_first_shafts(solve);
+    const int is_kept = are_links_kept(solve);
+    if (is_kept) {
+        forget_other_links(solve);
+        begin_kept_nodes(solve);
+    } else {
+        forget_links(solve);
+    }
+    for (uint32_t i = 0; i < solve->touches.count; i++) {
+        if (i < first && is_kept)
+            set_row(solve, i);
+        else if (!link_touch(solve, i, 0))
+            return 0;
+        if (i + 1 == first)
+            keep_links(solve, first);
+    }
+    return 1;
+}
+
 void dpti_tissue_link(struct tissue_solve *solve)
 {
-    int has_room = 1;
     solve->rub_count = solve->is_begun = 0;
     solve->problem.matrix++;
     solve->problem.matrix += !solve->problem.matrix;
-    forget_links(solve);
-    for (uint32_t i = 0; i < solve->touches.count && has_room; i++)
-        has_room = link_touch(solve, i, 0);
-    if (!has_room)
+    if (!link_all(solve))
         link_nearest(solve);
+    note_shafts(solve);
     for (uint32_t t = 0; t < solve->tool_count; t++)
         memset(&solve->tools[t].twist, 0, sizeof solve->tools[t].twist);
     solve->row_count = solve->touches.count;
@@ -359,9 +467,12 @@ void dpti_tissue_add_known(struct tissue_solve *solve, const struct tissue_row *
 
 void dpti_tissue_answer(struct tissue_solve *solve)
 {
+    int is_asked = 0;
+    for (uint32_t b = 0; b < solve->body_count; b++)
+        is_asked |= solve->bodies[b].is_touched && !solve->bodies[b].shaft;
     for (uint32_t i = 0; i < solve->node_count; i++)
         solve->nodes[i].answer = (vec3){ 0.0, 0.0, 0.0 };
-    for (uint32_t i = 0; i < solve->node_count; i++) {
+    for (uint32_t i = 0; i < solve->node_count && is_asked; i++) {
         struct tissue_node *node = &solve->nodes[i], *other;
         const vec3 load = node->load;
         double response;

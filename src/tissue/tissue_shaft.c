@@ -65,16 +65,13 @@ static uint32_t count_points(const struct channel *channel, double place)
     return count;
 }
 
-static void add_points(struct tissue_solve *solve, const struct touch_search *search)
+static void add_points(struct tissue_solve *solve, const struct touch_search *search, const vec3 *at)
 {
     const struct tissue_shaft *shaft = &solve->shafts[solve->shaft_count];
-    const struct body *body = shaft->body;
     vec3 across[2];
     unit_across(shaft->axis, across);
-    for (uint32_t i = 0; i < shaft->channel->point_count; i++) {
-        const vec3 at = frame_to_world(&body->frame, dpti_channel_point_at(&body->surface, &shaft->channel->points[i]));
-        add_touch(solve, search, i, at, across[0]);
-    }
+    for (uint32_t i = 0; i < shaft->channel->point_count; i++)
+        add_touch(solve, search, i, frame_to_world(&shaft->body->frame, at[i]), across[0]);
 }
 
 /* N/m: of the bristles that hold it across at a point. */
@@ -85,14 +82,13 @@ static double stiffness_across(const struct tissue_shaft *shaft, double stiffnes
 }
 
 /* Bristles that are added are not stretched: the force stays, and its share of each is less. */
-static void set_across(struct tissue_shaft *shaft, double stiffness, vec3 tip)
+static void set_across(struct tissue_shaft *shaft, double stiffness, vec3 tip, const vec3 *points)
 {
     const struct body *body = shaft->body;
     for (uint32_t i = 0; i < shaft->point_count; i++) {
         const struct channel_point *point = &shaft->channel->points[i];
         const double now = stiffness_across(shaft, stiffness, i);
-        const vec3 at = frame_to_world(&body->frame, dpti_channel_point_at(&body->surface, point));
-        const vec3 from = sub(tip, at), away = along(from, -dot(from, shaft->axis), shaft->axis);
+        const vec3 from = sub(tip, frame_to_world(&body->frame, points[i])), away = along(from, -dot(from, shaft->axis), shaft->axis);
         const vec3 offset = frame_turn(&body->frame, point->offset);
         shaft->across[i] = now;
         shaft->offset[i] = offset;
@@ -114,6 +110,7 @@ static void set_shaft(struct tissue_solve *solve, const struct touch_search *sea
     struct tissue_shaft *shaft = &solve->shafts[solve->shaft_count];
     const vec3 tip = frame_to_world(&search->at->frame, dpti_tip_point(world, search->tool));
     const vec3 axis = frame_turn(&search->at->frame, dpti_tip_direction(world, search->tool));
+    vec3 points[CHANNEL_POINTS_MAX];
     const double bristles =
         law.shaft_stiffness > 0.0 ? law.shaft_stiffness : max_of(law.shaft_friction, 1.0) / SHAFT_STRETCH;
     *shaft = (struct tissue_shaft){ .tool = solve->tool_count,
@@ -136,15 +133,16 @@ static void set_shaft(struct tissue_solve *solve, const struct touch_search *sea
     shaft->stretch_max = min_of(shaft->stretch_max, 0.5 * in->inside);
     shaft->limit = shaft->stretch_max * shaft->stiffness;
     shaft->pull = in->friction < 0.0 ? -shaft->limit : shaft->limit;
-    shaft->mean = dpti_channel_mean_place(channel, &body->surface, in->shared, frame_to_local(&body->frame, tip),
+    dpti_channel_points_at(channel, &body->surface, points);
+    shaft->mean = dpti_channel_mean_place(channel, points, in->shared, frame_to_local(&body->frame, tip),
                                           frame_turn_back(&body->frame, axis));
     shaft->wall = dpti_channel_stop(channel, dpti_proxy_clearance(world));
     shaft->stop = min_of(shaft->wall, in->place + in->pace);
     shaft->uncut = shaft->cutting > 0.0 ? dpti_channel_uncut(channel) : HUGE_VAL;
     for (uint32_t i = 0; i < channel->point_count; i++)
         shaft->share[i] = dpti_channel_share(channel, i, in->shared);
-    set_across(shaft, search->tool->stiffness, tip);
-    add_points(solve, search);
+    set_across(shaft, search->tool->stiffness, tip, points);
+    add_points(solve, search, points);
     add_touch(solve, search, SHAFT_MEAN, along(tip, -0.5 * in->inside, axis), scaled(axis, -1.0));
     add_touch(solve, search, SHAFT_TIP, tip, scaled(axis, -1.0));
     solve->shaft_count++;

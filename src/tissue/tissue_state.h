@@ -158,8 +158,6 @@ struct tissue_shaft {
     vec3 moved[CHANNEL_POINTS_MAX];          /* m: how far each would go, as a node's `moved` and `answer`, in the body's frame */
     vec3 known[CHANNEL_POINTS_MAX];          /* N, likewise: what is known to load it */
     vec3 load[CHANNEL_POINTS_MAX];           /* N: all that loads it in a substep */
-    double product[CHANNEL_POINTS_MAX][CHANNEL_POINTS_MAX]; /* m/N: how far a newton on one moves the other along itself */
-    uint32_t has_products;
     double across[CHANNEL_POINTS_MAX];       /* N/m */
     vec3 offset[CHANNEL_POINTS_MAX];         /* as a point's, in the world */
     uint32_t across_row[CHANNEL_POINTS_MAX]; /* the first of two */
@@ -174,6 +172,20 @@ struct tissue_shaft {
     double pull;               /* N, while it slips */
     double felt_friction, felt_cut, felt_stop; /* N: in the mean of the substeps */
     uint32_t is_slipping, is_cutting, has_slipped, is_paced;
+};
+
+/* m/N: how far a newton on one point of a shaft moves another one along itself. */
+struct shaft_products {
+    uint32_t is_known;
+    double of[CHANNEL_POINTS_MAX][CHANNEL_POINTS_MAX];
+};
+
+enum { KEPT_LINKS_MAX = 64 };
+
+/* What the link of a touch of a shaft is made of. */
+struct kept_link {
+    uint32_t channel_id, kind; /* a channel ends with its body, and a body has one mesh */
+    uint32_t body, tool;       /* of the solve */
 };
 
 /* A touch that held at the end of a step: by what it is known again in the next one, and how it rubbed. */
@@ -218,6 +230,10 @@ struct tissue_solve {
     double weight[TISSUE_WEIGHTS_MAX];
     struct tissue_rub rubs[TISSUE_RUBS_MAX];
     struct tissue_shaft shafts[TISSUE_SHAFTS_MAX];
+    struct shaft_products products[TISSUE_SHAFTS_MAX]; /* of each shaft */
+    /* Links of shafts that come before all others are the same from step to step, as their nodes are. */
+    uint32_t kept_count, kept_nodes, kept_weights;
+    struct kept_link kept[KEPT_LINKS_MAX];
     struct tissue_row rows[COMPLEMENTARITY_MAX];
     uint8_t kind[COMPLEMENTARITY_MAX]; /* of the rows, for the solver */
     uint32_t table[TISSUE_TABLE];      /* one more than a node's number; 0: none */
