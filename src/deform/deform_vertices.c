@@ -221,6 +221,7 @@ static void add_moved(struct surface_motion *motion)
 static void begin_travels_anew(struct surface_motion *motion)
 {
     const uint32_t nodes = motion->first[motion->levels + 1];
+    motion->begun++;
     for (uint32_t i = 0; i < nodes; i++) {
         const float wider = ROUND_UP * (motion->travel[i] - motion->boxed[i]);
         const float lacks = wider < LACK_MAX ? wider : LACK_MAX;

@@ -139,7 +139,7 @@ static int is_implicit(const struct loaded_step *step)
     return step->springs->def.integrator == DPT_INTEGRATOR_IMPLICIT;
 }
 
-void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, double moved[SPRING_ROWS],
+void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, uint32_t lanes, double moved[SPRING_ROWS],
                               double slid[SPRING_ROWS])
 {
     if (step->yield)
@@ -147,7 +147,7 @@ void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, double m
     else if (is_implicit(step))
         dpti_implicit_foresee(&step->implicit, slice, moved);
     else
-        dpti_explicit_foresee(&step->explicit, slice, moved, slid);
+        dpti_explicit_foresee(&step->explicit, slice, lanes, moved, slid);
     if (step->yield || is_implicit(step))
         memcpy(slid, moved, SPRING_ROWS * sizeof *slid);
 }

@@ -41,11 +41,12 @@ void dpti_explicit_undo(struct explicit_step *step, int is_taken);
 
 /*
  * Where a substep would take a slice's nodes with the loads that are set: how far from where they are, m, in rows of 16 x,
- * y, z. With EULER it is where the speeds of this substep lead in the next one, as loads move nothing before. `slid` is
+ * y, z, of the lanes that are set as bits, and no others. With EULER it is where the speeds of this substep lead in the next one, as loads move nothing before. `slid` is
  * the part of it by which the loads of the substep before had not moved them yet. Of a slice that sleeps: where it would
  * go if the load that it fell asleep with were gone.
  */
-void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double *restrict moved, double *restrict slid);
+void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, uint32_t lanes, double moved[SPRING_ROWS],
+                           double slid[SPRING_ROWS]);
 
 /* Where a node is in the step so far, m, with what its floats have lost. */
 vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node);
@@ -112,7 +113,7 @@ void dpti_loaded_step_set(struct loaded_step *step);
 void dpti_loaded_step_add(struct loaded_step *step, uint32_t node, vec3 force);
 
 /* What an integrator foresees, as above; with IMPLICIT all of it is `slid`. */
-void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, double moved[SPRING_ROWS],
+void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, uint32_t lanes, double moved[SPRING_ROWS],
                               double slid[SPRING_ROWS]);
 vec3 dpti_loaded_step_place(const struct loaded_step *step, uint32_t node);
 double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node);

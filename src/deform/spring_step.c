@@ -194,7 +194,8 @@ vec3 dpti_explicit_place(const struct explicit_step *step, uint32_t node)
     return spring_place(state_of(step), node);
 }
 
-void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double *restrict moved, double *restrict slid)
+void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, uint32_t lanes, double moved[SPRING_ROWS],
+                           double slid[SPRING_ROWS])
 {
     const struct dpt_springs *springs = step->springs;
     const float *load = springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice;
@@ -211,16 +212,13 @@ void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, double *r
     }
     springs->kernel.spring_move(&step->motion, springs->nodes + slice, force_on(step, slice), load, from, &to, points,
                                 &square);
-    for (uint32_t i = 0; i < SPRING_ROWS; i++)
-        moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
-    if (!step->motion.is_euler) {
-        memcpy(slid, moved, SPRING_ROWS * sizeof *slid);
-        return;
-    }
-    for (uint32_t i = 0; i < SPRING_ROWS; i++) {
-        slid[i] = h * (double)to.v[i];
-        moved[i] += slid[i];
-    }
+    for (uint32_t lane = 0; lane < LANES; lane++)
+        for (uint32_t i = lane; i < SPRING_ROWS && lanes >> lane & 1; i += LANES) {
+            moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
+            slid[i] = step->motion.is_euler ? h * (double)to.v[i] : moved[i];
+            if (step->motion.is_euler)
+                moved[i] += slid[i];
+        }
 }
 
 /* ---- the stable step ---- */

@@ -174,9 +174,8 @@ static void find_entry(struct channel_search *search)
     memcpy(channel->weight, first->weight, sizeof channel->weight);
 }
 
-void dpti_channel_search_begin(struct channel_search *search, const struct channel *channel,
-                               const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,
-                               struct work *work)
+static void set_search(struct channel_search *search, const struct channel *channel, const struct surface *surface,
+                       const uint8_t *regions)
 {
     const vec3 centre = scaled(add(surface->box_min, surface->box_max), 0.5);
     search->channel = *channel;
@@ -190,8 +189,22 @@ void dpti_channel_search_begin(struct channel_search *search, const struct chann
     search->channel.limit = channel->length;
     search->channel.wall_count = search->channel.open_count = 0;
     search->channel.deepest = 0.0;
+}
+
+void dpti_channel_search_begin(struct channel_search *search, const struct channel *channel,
+                               const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,
+                               struct work *work)
+{
+    set_search(search, channel, surface, regions);
     dpti_range_begin(&search->range, surface, kernel, channel->mouth, scaled(channel->axis, search->reach),
                      channel->radius, work);
+}
+
+static void finish(struct channel_search *search)
+{
+    find_layers(search);
+    find_entry(search);
+    search->is_begun = 0;
 }
 
 int dpti_channel_search_on(struct channel_search *search)
@@ -207,9 +220,80 @@ int dpti_channel_search_on(struct channel_search *search)
     }
     if (!dpti_range_is_over(&search->range))
         return 0;
-    find_layers(search);
-    find_entry(search);
-    search->is_begun = 0;
+    finish(search);
+    return 1;
+}
+
+/* ---- a line in tissue ---- */
+
+/* As a multiple of the radius, and of the length: how far from a line triangles are noted beyond the radius. */
+#define MARGIN        1.0
+#define MARGIN_LENGTH (1.0 / 512.0)
+
+/* m: of rounding, beside a margin. */
+#define ROUNDING 1e-9
+
+static float travel_of(const struct surface *surface)
+{
+    return surface->motion->travel[surface->motion->first[surface->motion->levels]];
+}
+
+static double distance_from_line(const struct channel_near *near, vec3 at)
+{
+    const vec3 from = sub(at, near->from);
+    const double s = dot(from, near->way) / dot(near->way, near->way);
+    return length(sub(from, scaled(near->way, max_of(0.0, min_of(s, 1.0)))));
+}
+
+/* Whether all that is near the line of a search was noted. The distance from a straight line is largest at an end. */
+static int was_near(const struct channel_search *search, const struct channel_near *near)
+{
+    const struct channel *line = &search->channel;
+    const struct surface *surface = search->surface;
+    if (!near->is_known || near->begun != surface->motion->begun)
+        return 0;
+    const double moved = ((double)travel_of(surface) - (double)near->travel) / surface->filter_scale;
+    const double aside = max_of(distance_from_line(near, line->mouth),
+                                distance_from_line(near, along(line->mouth, search->reach, line->axis)));
+    return moved + aside + ROUNDING < near->margin;
+}
+
+/* Note what is near, beyond both ends of the line, too, as it goes on along itself. Returns 0 if the work was spent. */
+static int note_near(const struct channel_search *search, const struct kernel *kernel, struct work *work,
+                     struct channel_near *near)
+{
+    const struct channel *line = &search->channel;
+    const struct surface *surface = search->surface;
+    uint32_t triangle;
+    int may_touch;
+    struct range range;
+    *near = (struct channel_near){ .begun = surface->motion->begun,
+                                   .travel = travel_of(surface),
+                                   .margin = max_of(MARGIN * line->radius, MARGIN_LENGTH * line->length),
+                                   .from = along(line->mouth, -line->length, line->axis),
+                                   .way = scaled(line->axis, search->reach + 2.0 * line->length) };
+    dpti_range_begin(&range, surface, kernel, near->from, near->way, line->radius + near->margin, work);
+    while (near->count < CHANNEL_NEAR_MAX && (triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE)
+        near->triangle[near->count++] = triangle;
+    near->is_known = (uint32_t)dpti_range_is_over(&range);
+    return near->is_known || near->count == CHANNEL_NEAR_MAX;
+}
+
+int dpti_channel_search_near(struct channel_search *search, const struct channel *channel, const struct surface *surface,
+                             const uint8_t *regions, const struct kernel *kernel, struct work *work,
+                             struct channel_near *near)
+{
+    set_search(search, channel, surface, regions);
+    if (!was_near(search, near) && !note_near(search, kernel, work, near))
+        return 0;
+    if (!near->is_known) {
+        dpti_channel_search_begin(search, channel, surface, regions, kernel, work);
+        return dpti_channel_search_on(search);
+    }
+    for (uint32_t i = 0; i < near->count; i++)
+        look_at(search, near->triangle[i]);
+    work_spend_between(work, near->count);
+    finish(search);
     return 1;
 }
 

@@ -41,6 +41,19 @@ struct channel_point {
     struct channel_hit hits[CHANNEL_HITS_MAX];
 };
 
+enum { CHANNEL_NEAR_MAX = 64 };
+
+/* The triangles of a surface that deforms that were within a margin beyond the radius of a line, all of them, in order. */
+struct channel_near {
+    uint32_t is_known;
+    uint32_t count;
+    uint32_t begun; /* of the surface's motion, then, as is the next */
+    float travel;
+    double margin; /* m */
+    vec3 from, way;
+    uint32_t triangle[CHANNEL_NEAR_MAX]; /* places */
+};
+
 struct channel {
     uint32_t id;       /* never 0 in use; grows from one to the next */
     uint32_t body_id;  /* 0: there is no channel here */
@@ -61,6 +74,7 @@ struct channel {
     double opened;                                     /* so far walls are open, also where they move */
     uint32_t point_count;                              /* 0: the world has no bodies that deform */
     struct channel_point points[CHANNEL_POINTS_MAX];   /* by ascending place */
+    struct channel_near near;                          /* its line in tissue, some ticks ago */
 };
 
 enum { CHANNEL_CROSSINGS_MAX = 2 * CHANNEL_LAYERS_MAX + 2 };
@@ -100,6 +114,14 @@ void dpti_channel_search_begin(struct channel_search *search, const struct chann
  * comes out, as behind an open sheet, there is none.
  */
 int dpti_channel_search_on(struct channel_search *search);
+
+/*
+ * The same at once, of a surface that deforms. What was near a line a while ago is all that is near another one, if that and
+ * the vertices have not moved farther than the margin since: `near` is of such a line, or is made.
+ */
+int dpti_channel_search_near(struct channel_search *search, const struct channel *channel, const struct surface *surface,
+                             const uint8_t *regions, const struct kernel *kernel, struct work *work,
+                             struct channel_near *near);
 
 /* Where the tip stands before the next wall, `clearance` m from touching it; or at the limit. */
 double dpti_channel_stop(const struct channel *channel, double clearance);

@@ -196,8 +196,7 @@ int dpti_channel_lay_again(struct channel *channel, const struct surface *surfac
     struct channel_search search;
     line.mouth = along(channel->mouth, from, channel->axis);
     line.length = 2.0 * channel->length;
-    dpti_channel_search_begin(&search, &line, surface, NULL, kernel, work);
-    if (!dpti_channel_search_on(&search))
+    if (!dpti_channel_search_near(&search, &line, surface, NULL, kernel, work, &channel->near))
         return 0;
     const struct channel *found = &search.channel;
     /* Walls may move by more than they are thick: as many as before are the same ones. The first was the way in. */

@@ -4,7 +4,7 @@
 #include "insertion/channel_points.h"
 #include "insertion/region_law.h"
 
-enum { BYTES_CHANNEL = 2848, BYTES_TOOL = 4744, BYTES_REGIONS = 736 };
+enum { BYTES_CHANNEL = 3176, BYTES_TOOL = 5072, BYTES_REGIONS = 736 };
 typedef char channel_fits[sizeof(struct channel) <= BYTES_CHANNEL ? 1 : -1];
 typedef char tool_fits[sizeof(struct piercing_tool) <= BYTES_TOOL ? 1 : -1];
 typedef char regions_fit[sizeof(struct body_regions) <= BYTES_REGIONS ? 1 : -1];

@@ -403,6 +403,7 @@ void dpti_surface_move_box(struct surface *surface, const double low[3], const d
     set_box(surface, low, high);
     set_frame(surface, motion);
     const float scale = (float)(surface->filter_scale / before);
+    motion->begun++;
     for (uint32_t i = 0; i < nodes; i++) {
         motion->travel[i] = motion->boxed[i] = 0.0f;
         motion->followed[i] = -1.0f; /* blocks of leaves are filled again when a search looks at them */

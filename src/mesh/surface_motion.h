@@ -46,6 +46,7 @@ struct surface_motion {
     float *leaves; /* as in struct surface */
     float *level[MESH_LEVELS_MAX + 1];
     float *travel;   /* by node, in the filter's frame */
+    uint32_t begun;  /* how often travels began anew */
     float *followed; /* by node: its travel when its children's boxes, or its triangles, were brought up to date */
     float *boxed;    /* by node: its travel when its own box, in its parent, was */
     uint32_t *has_tighter; /* by node: a child's box was made anew since its own box was handed to its parent */

@@ -113,19 +113,15 @@ static void set_moved(const struct tissue_solve *solve, const struct shaft_produ
         moved->by[SHAFT_MEAN] += shaft->share[i] * moved->by[i];
 }
 
-/* How far the point of another row moves, if a newton of one moves those of its shaft, and nodes by `spread`. */
-static double product_of(const struct tissue_solve *solve, const struct moved_touches *moved,
-                         const struct tissue_row *row, const struct tissue_row *other)
+/* How far the point of a row that is not of the shaft moves, by what is in `spread` for a newton of one that is. */
+static double product_of(const struct tissue_solve *solve, const struct tissue_row *row, const struct tissue_row *other)
 {
     const struct tissue_link *its = &solve->links[other->touch];
-    const struct touch *touch = &solve->touches.touch[other->touch];
     if (other->is_twist)
         return dpti_twist_product(solve, &solve->tools[its->tool].twist, row->within);
-    const double along_both = dot(other->within, row->within);
-    if (!touch->shaft)
-        return tissue_spread_at(solve, its) * along_both;
-    return along_both * (shaft_of_touch(touch) == moved->shaft ? moved->by[shaft_touch_kind(touch)]
-                                                               : dpti_shaft_spread_at(solve, other));
+    return dot(other->within, row->within) * (solve->touches.touch[other->touch].shaft
+                                                  ? dpti_shaft_spread_at(solve, other)
+                                                  : tissue_spread_at(solve, its));
 }
 
 static void spread_points(struct tissue_solve *solve, const struct tissue_row *row, int is_over)
@@ -147,9 +143,10 @@ void dpti_shafts_give_column(struct tissue_solve *solve, uint32_t index, uint32_
 {
     const struct tissue_row *row = &solve->rows[index];
     const struct tissue_link *link = &solve->links[row->touch];
-    const double stiffness = solve->tools[link->tool].stiffness;
+    const double compliance = 1.0 / solve->tools[link->tool].stiffness;
     const struct loaded_points points = points_of(solve, row);
     struct moved_touches moved = { .shaft = shaft_of_row(solve, row) };
+    const uint32_t own = 1 + SHAFT_TOUCHES * moved.shaft;
     const int has_others = !is_alone(solve, moved.shaft);
     set_moved(solve, products_of(solve, moved.shaft), &points, &moved);
     if (has_others)
@@ -157,16 +154,21 @@ void dpti_shafts_give_column(struct tissue_solve *solve, uint32_t index, uint32_
     for (uint32_t i = first; i < solve->row_count; i++) {
         const struct tissue_row *other = &solve->rows[i];
         const struct tissue_link *its = &solve->links[other->touch];
-        double sum = 0.0, product = 0.0;
+        const uint32_t kind = solve->touches.touch[other->touch].shaft - own;
+        double product = 0.0;
         column[i] = 0.0;
         /* Those of touches are not asked for. */
         if (i < solve->touches.count && solve->touches.touch[i].shaft)
             continue;
-        if (link->body != DPT_NONE && its->body == link->body)
-            sum = product_of(solve, &moved, row, other);
-        for (uint32_t k = 0; k < TOUCH_DIMENSIONS && its->tool == link->tool; k++)
+        if (kind < SHAFT_TOUCHES)
+            column[i] = moved.by[kind] * dot(other->within, row->within);
+        else if (link->body != DPT_NONE && its->body == link->body)
+            column[i] = product_of(solve, row, other);
+        if (its->tool != link->tool)
+            continue;
+        for (uint32_t k = 0; k < TOUCH_DIMENSIONS; k++)
             product += row->lever[k] * other->lever[k];
-        column[i] = sum + product / stiffness;
+        column[i] += product * compliance;
     }
     if (index >= first)
         column[index] += row->compliance;

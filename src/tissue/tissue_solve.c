@@ -22,10 +22,13 @@ static void foresee(struct tissue_solve *solve)
     double moved[SPRING_ROWS], slid[SPRING_ROWS];
     for (uint32_t i = solve->node_count; i-- > 0;) {
         struct loaded_step *step = &solve->bodies[solve->nodes[i].body].step;
+        uint32_t lanes = 0;
         if (solve->nodes[i].is_foreseen)
             continue;
-        dpti_loaded_step_foresee(step, solve->nodes[i].node / LANES, moved, slid);
         /* The last one that was made knows those before. */
+        for (uint32_t k = i + 1; k > 0; k = solve->nodes[k - 1].next)
+            lanes |= 1u << solve->nodes[k - 1].node % LANES;
+        dpti_loaded_step_foresee(step, solve->nodes[i].node / LANES, lanes, moved, slid);
         for (uint32_t k = i + 1; k > 0; k = solve->nodes[k - 1].next) {
             struct tissue_node *node = &solve->nodes[k - 1];
             const uint32_t lane = node->node % LANES;
