@@ -347,6 +347,12 @@ static void find_near(struct dpt_springs *springs)
         }
 }
 
+/* Whether loads on a slice may have changed. */
+static int has_change(const struct dpt_springs *springs, uint32_t slice)
+{
+    return !springs->region.is_awake[slice] || springs->loads[0].marked[slice] || springs->loads[1].marked[slice];
+}
+
 /*
  * How far the change of the loads moves nodes: into the rows of the slices that are near. Directions are zero but where
  * loads are.
@@ -360,23 +366,27 @@ static void find_answer(struct implicit_step *step)
     for (uint32_t i = 0; i < solve->near_count; i++) {
         const uint32_t slice = solve->near[i];
         const float *now = springs->loads[springs->loaded].force + SPRING_ROWS * (size_t)slice;
-        const float *before = loads_before(springs, slice);
+        const float *before = loads_before(springs, slice), *per_diagonal = solve->systems[slice].per_diagonal;
         float *direction = solve->direction + SPRING_POINTS * (size_t)slice;
-        for (uint32_t k = 0; k < SPRING_ROWS; k++)
-            direction[4 * (k % LANES) + k / LANES] =
-                solve->systems[slice].per_diagonal[k % LANES] * (now[k] - before[k]);
+        if (!has_change(springs, slice))
+            continue;
+        for (uint32_t row = 0; row < 3; row++)
+            for (uint32_t lane = 0; lane < LANES; lane++)
+                direction[4 * lane + row] = per_diagonal[lane] * (now[LANES * row + lane] - before[LANES * row + lane]);
     }
     for (uint32_t i = 0; i < solve->near_count; i++) {
         const size_t slice = solve->near[i];
-        const struct spring_system *system = solve->systems + slice;
-        const float *direction = solve->direction + SPRING_POINTS * slice;
-        float *product = solve->product + SPRING_ROWS * slice;
+        const struct spring_system *restrict system = solve->systems + slice;
+        const float *restrict direction = solve->direction + SPRING_POINTS * slice;
+        float *restrict product = solve->product + SPRING_ROWS * slice;
         double lanes[LANES] = { 0.0 };
         springs->kernel.spring_product(&springs->bound, (uint32_t)slice, scale, system->diagonal, solve->direction,
                                        product, lanes);
-        for (uint32_t k = 0; k < SPRING_ROWS; k++)
-            product[k] = (float)ANSWER_OWN * direction[4 * (k % LANES) + k / LANES] -
-                         (float)ANSWER_REACH * system->per_diagonal[k % LANES] * product[k];
+        for (uint32_t row = 0; row < 3; row++)
+            for (uint32_t lane = 0; lane < LANES; lane++)
+                product[LANES * row + lane] =
+                    (float)ANSWER_OWN * direction[4 * lane + row] -
+                    (float)ANSWER_REACH * system->per_diagonal[lane] * product[LANES * row + lane];
     }
     for (uint32_t i = 0; i < solve->near_count; i++)
         memset(solve->direction + SPRING_POINTS * (size_t)solve->near[i], 0, SPRING_POINTS * sizeof(float));
@@ -396,7 +406,7 @@ static void foresee_all(struct implicit_step *step)
     step->active = springs->region.count;
 }
 
-void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, double moved[SPRING_ROWS])
+void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, uint32_t lanes, double moved[SPRING_ROWS])
 {
     struct dpt_springs *springs = step->springs;
     const struct spring_trial *trial = &step->trial;
@@ -404,14 +414,15 @@ void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, double mo
     const float *v = springs->state[springs->now][slice].v;
     if (!step->is_foreseen)
         foresee_all(step);
-    for (uint32_t k = 0; k < SPRING_ROWS; k++) {
-        moved[k] =
-            springs->solve.is_near[slice] ? (double)springs->solve.product[SPRING_ROWS * (size_t)slice + k] : 0.0;
-        if (springs->region.is_awake[slice])
-            moved[k] += (double)(trial->flies * system->glide[k % LANES] *
-                                 (trial->step * (v[k] + trial->step * trial->common[k / LANES]))) +
-                        (double)system->change[k];
-    }
+    for (uint32_t lane = 0; lanes; lane++, lanes >>= 1)
+        for (uint32_t k = lane; k < SPRING_ROWS && lanes & 1; k += LANES) {
+            moved[k] =
+                springs->solve.is_near[slice] ? (double)springs->solve.product[SPRING_ROWS * (size_t)slice + k] : 0.0;
+            if (springs->region.is_awake[slice])
+                moved[k] += (double)(trial->flies * system->glide[lane] *
+                                     (trial->step * (v[k] + trial->step * trial->common[k / LANES]))) +
+                            (double)system->change[k];
+        }
 }
 
 /* The change takes in what the loads have changed by since it was solved for. */

@@ -145,7 +145,7 @@ void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, uint32_t
     if (step->yield)
         dpti_yield_foresee(step->yield, slice, step->dt, step->share, moved);
     else if (is_implicit(step))
-        dpti_implicit_foresee(&step->implicit, slice, moved);
+        dpti_implicit_foresee(&step->implicit, slice, lanes, moved);
     else
         dpti_explicit_foresee(&step->explicit, slice, lanes, moved, slid);
     if (step->yield || is_implicit(step))

@@ -72,7 +72,7 @@ struct implicit_step {
 void dpti_implicit_step_begin(struct implicit_step *step, struct dpt_springs *springs, double h, uint32_t substeps);
 int dpti_implicit_substep(struct implicit_step *step, uint32_t *flags);
 void dpti_implicit_undo(struct implicit_step *step, uint32_t substeps);
-void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, double moved[SPRING_ROWS]);
+void dpti_implicit_foresee(struct implicit_step *step, uint32_t slice, uint32_t lanes, double moved[SPRING_ROWS]);
 vec3 dpti_implicit_place(const struct implicit_step *step, uint32_t node);
 double dpti_implicit_response(const struct implicit_step *step, uint32_t node);
 int dpti_implicit_neighbour(const struct implicit_step *step, uint32_t node, uint32_t *entry, uint32_t *other,
@@ -117,6 +117,12 @@ void dpti_loaded_step_foresee(struct loaded_step *step, uint32_t slice, uint32_t
                               double slid[SPRING_ROWS]);
 vec3 dpti_loaded_step_place(const struct loaded_step *step, uint32_t node);
 double dpti_loaded_step_response(const struct loaded_step *step, uint32_t node);
+
+/* Whether a load on a node moves others, too. */
+static inline int loaded_step_has_neighbours(const struct loaded_step *step)
+{
+    return step->springs && step->springs->def.integrator == DPT_INTEGRATOR_IMPLICIT;
+}
 
 /*
  * The nodes that a load on a node moves beside it, one a call: the other one, and how far, m/N. *entry is 0 at first.

@@ -212,8 +212,8 @@ void dpti_explicit_foresee(struct explicit_step *step, uint32_t slice, uint32_t 
     }
     springs->kernel.spring_move(&step->motion, springs->nodes + slice, force_on(step, slice), load, from, &to, points,
                                 &square);
-    for (uint32_t lane = 0; lane < LANES; lane++)
-        for (uint32_t i = lane; i < SPRING_ROWS && lanes >> lane & 1; i += LANES) {
+    for (uint32_t lane = 0; lanes; lane++, lanes >>= 1)
+        for (uint32_t i = lane; i < SPRING_ROWS && lanes & 1; i += LANES) {
             moved[i] = ((double)to.x[i] - (double)from->x[i]) + ((double)to.rest[i] - (double)from->rest[i]);
             slid[i] = step->motion.is_euler ? h * (double)to.v[i] : moved[i];
             if (step->motion.is_euler)

@@ -94,6 +94,55 @@ double dpti_shaft_spread_at(const struct tissue_solve *solve, const struct tissu
     return sum;
 }
 
+/* A row of points for each touch that is of no shaft: how far newtons on these move it. NULL: it is not known. */
+static const double *beside_of(const struct tissue_solve *solve, uint32_t shaft)
+{
+    return solve->products[shaft].beside ? solve->beside + solve->products[shaft].beside - 1 : NULL;
+}
+
+static void find_beside(struct tissue_solve *solve, uint32_t number)
+{
+    const struct tissue_shaft *shaft = &solve->shafts[number];
+    const uint32_t points = shaft->channel->point_count, count = solve->touches.count * points;
+    struct shaft_products *known = &solve->products[number];
+    double *made = solve->beside + solve->beside_count;
+    uint32_t products = 0;
+    if (known->beside || solve->beside_count + count > TISSUE_BESIDE)
+        return;
+    memset(made, 0, count * sizeof *made);
+    known->beside = solve->beside_count + 1;
+    solve->beside_count += count;
+    for (uint32_t k = 0; k < points; k++) {
+        const struct tissue_link *link = link_of(solve, shaft, k);
+        if (!link)
+            continue;
+        dpti_tissue_spread_touch(solve, link, 1.0);
+        for (uint32_t i = 0; i < solve->touches.count; i++)
+            if (!solve->touches.touch[i].shaft && solve->links[i].body == link->body) {
+                made[i * points + k] = tissue_spread_at(solve, &solve->links[i]);
+                products += solve->links[i].count;
+            }
+        dpti_tissue_clear_spread(solve, link);
+    }
+    work_spend(&solve->work, products / LANES + 1);
+}
+
+void dpti_shafts_find_beside(struct tissue_solve *solve)
+{
+    for (uint32_t i = 0; i < solve->shaft_count; i++)
+        if (!is_alone(solve, i))
+            find_beside(solve, i);
+}
+
+double dpti_shaft_moved_by(const struct tissue_solve *solve, const struct tissue_row *row, uint32_t touch)
+{
+    const uint32_t shaft = shaft_of_row(solve, row);
+    const double *beside = beside_of(solve, shaft);
+    const struct loaded_points points = points_of(solve, row);
+    return beside ? sum_of(&points, beside + touch * solve->shafts[shaft].channel->point_count)
+                  : dpti_shaft_spread_at(solve, row);
+}
+
 /* A newton of a row, as it moves what touches along its own shaft, m: by the kind of touch. */
 struct moved_touches {
     uint32_t shaft;
@@ -113,15 +162,28 @@ static void set_moved(const struct tissue_solve *solve, const struct shaft_produ
         moved->by[SHAFT_MEAN] += shaft->share[i] * moved->by[i];
 }
 
-/* How far the point of a row that is not of the shaft moves, by what is in `spread` for a newton of one that is. */
+/* How far the point of a row that is not of the shaft moves by a newton of one that is, which may be in `spread`. */
 static double product_of(const struct tissue_solve *solve, const struct tissue_row *row, const struct tissue_row *other)
 {
     const struct tissue_link *its = &solve->links[other->touch];
     if (other->is_twist)
         return dpti_twist_product(solve, &solve->tools[its->tool].twist, row->within);
-    return dot(other->within, row->within) * (solve->touches.touch[other->touch].shaft
-                                                  ? dpti_shaft_spread_at(solve, other)
-                                                  : tissue_spread_at(solve, its));
+    const double along_both = dot(other->within, row->within);
+    if (solve->touches.touch[other->touch].shaft)
+        return dpti_shaft_spread_at(solve, other) * along_both;
+    return along_both * (beside_of(solve, shaft_of_row(solve, row)) ? dpti_shaft_moved_by(solve, row, other->touch)
+                                                                    : tissue_spread_at(solve, its));
+}
+
+/* Whether what a row of a shaft moves beside its own is asked for by nodes: other shafts, twists, and all without room. */
+static int needs_spread(struct tissue_solve *solve, uint32_t shaft)
+{
+    if (is_alone(solve, shaft))
+        return 0;
+    for (uint32_t t = 0; t < solve->tool_count; t++)
+        if (solve->tools[t].twist.row)
+            return 1;
+    return solve->shaft_count > 1 || !beside_of(solve, shaft);
 }
 
 static void spread_points(struct tissue_solve *solve, const struct tissue_row *row, int is_over)
@@ -147,9 +209,10 @@ void dpti_shafts_give_column(struct tissue_solve *solve, uint32_t index, uint32_
     const struct loaded_points points = points_of(solve, row);
     struct moved_touches moved = { .shaft = shaft_of_row(solve, row) };
     const uint32_t own = 1 + SHAFT_TOUCHES * moved.shaft;
-    const int has_others = !is_alone(solve, moved.shaft);
+    dpti_shafts_find_beside(solve);
+    const int has_spread = needs_spread(solve, moved.shaft);
     set_moved(solve, products_of(solve, moved.shaft), &points, &moved);
-    if (has_others)
+    if (has_spread)
         spread_points(solve, row, 0);
     for (uint32_t i = first; i < solve->row_count; i++) {
         const struct tissue_row *other = &solve->rows[i];
@@ -172,7 +235,7 @@ void dpti_shafts_give_column(struct tissue_solve *solve, uint32_t index, uint32_
     }
     if (index >= first)
         column[index] += row->compliance;
-    if (has_others)
+    if (has_spread)
         spread_points(solve, row, 1);
     work_spend(&solve->work, (solve->row_count - first) * TOUCH_DIMENSIONS / LANES + 1);
 }

@@ -15,6 +15,13 @@ void dpti_shafts_give_column(struct tissue_solve *solve, uint32_t index, uint32_
 /* How far the point of a row of a shaft moves by what is in `spread`. */
 double dpti_shaft_spread_at(const struct tissue_solve *solve, const struct tissue_row *row);
 
+/*
+ * The same, which is a newton of a touch that is of no shaft. Before that is spread: what such touches and shafts do to each
+ * other is found, once.
+ */
+double dpti_shaft_moved_by(const struct tissue_solve *solve, const struct tissue_row *row, uint32_t touch);
+void dpti_shafts_find_beside(struct tissue_solve *solve);
+
 /* Before a pass: no force is known. Then what a force along a row does to its tool and points, N; after all of them, to nodes. */
 void dpti_shafts_forget_known(struct tissue_solve *solve);
 void dpti_shaft_push(struct tissue_solve *solve, const struct tissue_row *row, double force);

@@ -377,7 +377,9 @@ static int link_all(struct tissue_solve *solve)
 
 void dpti_tissue_link(struct tissue_solve *solve)
 {
-    solve->rub_count = solve->is_begun = 0;
+    solve->rub_count = solve->is_begun = solve->beside_count = 0;
+    for (uint32_t i = 0; i < solve->shaft_count; i++)
+        solve->products[i].beside = 0;
     solve->problem.matrix++;
     solve->problem.matrix += !solve->problem.matrix;
     if (!link_all(solve))
@@ -393,6 +395,8 @@ static struct tissue_node *next_moved(struct tissue_solve *solve, const struct t
                                       double *response)
 {
     uint32_t node;
+    if (!loaded_step_has_neighbours(&solve->bodies[by->body].step))
+        return NULL;
     while (dpti_loaded_step_neighbour(&solve->bodies[by->body].step, by->node, entry, &node, response)) {
         const uint32_t number = solve->table[slot_of(solve, by->body, node)];
         if (number)

@@ -34,7 +34,8 @@ static void foresee(struct tissue_solve *solve)
             const uint32_t lane = node->node % LANES;
             const vec3 by = { moved[lane], moved[LANES + lane], moved[2 * LANES + lane] };
             node->slid = (vec3){ slid[lane], slid[LANES + lane], slid[2 * LANES + lane] };
-            node->moved = sub(add(dpti_loaded_step_place(step, node->node), by), node->begin);
+            const vec3 place = solve->substep ? dpti_loaded_step_place(step, node->node) : node->begin;
+            node->moved = sub(add(place, by), node->begin);
             node->is_foreseen = 1;
         }
     }
@@ -115,6 +116,7 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
         dpti_shafts_give_column(solve, index, first, column);
         return;
     }
+    dpti_shafts_find_beside(solve);
     dpti_tissue_spread_touch(solve, link, 1.0);
     for (uint32_t i = first; i < solve->row_count; i++) {
         const struct tissue_row *other = &solve->rows[i];
@@ -123,7 +125,8 @@ static void give_column(void *user, uint32_t index, uint32_t first, double *colu
         if (other->is_twist && link->body != DPT_NONE && its->body == link->body) {
             sum = dpti_twist_product(solve, &solve->tools[its->tool].twist, row->within);
         } else if (link->body != DPT_NONE && its->body == link->body) {
-            sum = spread_at_row(solve, other);
+            sum = solve->touches.touch[other->touch].shaft ? dpti_shaft_moved_by(solve, other, row->touch)
+                                                           : tissue_spread_at(solve, its);
             products += its->count;
             sum *= dot(other->within, row->within);
         }

@@ -174,11 +174,14 @@ struct tissue_shaft {
     uint32_t is_slipping, is_cutting, has_slipped, is_paced;
 };
 
-/* m/N: how far a newton on one point of a shaft moves another one along itself. */
+/* m/N: how far a newton on one point of a shaft moves another one along itself; and what touches beside it. */
 struct shaft_products {
     uint32_t is_known;
+    uint32_t beside; /* one more than where these begin in the solve's `beside`, a row of points a touch; 0: not known */
     double of[CHANNEL_POINTS_MAX][CHANNEL_POINTS_MAX];
 };
+
+enum { TISSUE_BESIDE = 4096 };
 
 enum { KEPT_LINKS_MAX = 64 };
 
@@ -211,6 +214,7 @@ struct tissue_solve {
     uint32_t shaft_count;
     uint32_t row_count;  /* of all touches, then of shafts, then two of each rub and one of each twist */
     uint32_t is_begun;   /* 1: there was a substep since touches were linked */
+    uint32_t substep;    /* of the step, from 0 on */
     uint32_t is_touched; /* 1: a tool's proxy does not reach its device in this tick */
     uint32_t tick;       /* the world's, in which its answer was told */
     uint32_t repeats;    /* how often in a row the answer was the same */
@@ -231,6 +235,8 @@ struct tissue_solve {
     struct tissue_rub rubs[TISSUE_RUBS_MAX];
     struct tissue_shaft shafts[TISSUE_SHAFTS_MAX];
     struct shaft_products products[TISSUE_SHAFTS_MAX]; /* of each shaft */
+    uint32_t beside_count;
+    double beside[TISSUE_BESIDE];
     /* Links of shafts that come before all others are the same from step to step, as their nodes are. */
     uint32_t kept_count, kept_nodes, kept_weights;
     struct kept_link kept[KEPT_LINKS_MAX];

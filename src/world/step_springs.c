@@ -192,6 +192,7 @@ static int make_substeps(struct tissue_solve *solve, struct dpt_world *world, do
     int is_done = 1;
     dpti_tissue_link(solve);
     for (uint32_t i = 0; i < substeps && is_done; i++) {
+        solve->substep = i;
         double farthest = dpti_tissue_solve(solve);
         for (int again = 0; i == 0 && farthest > reach && !solve->is_cut && again < GATHERED_AGAIN; again++) {
             if (work_is_spent(&solve->work)) {

@@ -87,6 +87,14 @@ int soft_needle_open_within(struct soft_needle *needle, const struct tissue_def 
     return open_in(needle, def, gel, stiffness);
 }
 
+int soft_needle_open_unlisted(struct soft_needle *needle, const struct tissue_def *def, const dpt_body_settings *gel,
+                              double stiffness)
+{
+    memset(needle, 0, sizeof *needle);
+    tissue_rig_open_unlisted(&needle->tissue, 6);
+    return open_in(needle, def, gel, stiffness);
+}
+
 int soft_needle_open_on(struct soft_needle *needle, const struct tissue_def *def, const dpt_body_settings *gel,
                         double stiffness, uint32_t kernel)
 {

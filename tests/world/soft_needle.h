@@ -34,6 +34,9 @@ int soft_needle_open_within(struct soft_needle *needle, const struct tissue_def 
                             double stiffness, uint32_t budget);
 int soft_needle_open_on(struct soft_needle *needle, const struct tissue_def *def, const dpt_body_settings *gel,
                         double stiffness, uint32_t kernel);
+/* No contacts are listed. */
+int soft_needle_open_unlisted(struct soft_needle *needle, const struct tissue_def *def, const dpt_body_settings *gel,
+                              double stiffness);
 /* Without a body: you add what you like, of this mesh. */
 int soft_needle_open_over(struct soft_needle *needle, const struct tissue_def *def, double stiffness);
 void soft_needle_close(struct soft_needle *needle);

@@ -19,15 +19,28 @@ void tissue_rig_open(struct tissue_rig *tissue)
     tissue_rig_open_within(tissue, 0);
 }
 
+static void open_of(struct tissue_rig *tissue, const dpt_world_def *def)
+{
+    memset(tissue, 0, sizeof *tissue);
+    tissue->kernel = def->kernel;
+    rig_open(&tissue->rig, def, NULL, NULL, 0);
+}
+
 static void open_world(struct tissue_rig *tissue, uint32_t budget, uint32_t kernel, uint32_t channels)
 {
     dpt_world_def def = rig_def(DPT_LAW_PROXY);
     def.budget = budget;
     def.kernel = kernel;
     def.max_channels = channels;
-    memset(tissue, 0, sizeof *tissue);
-    tissue->kernel = kernel;
-    rig_open(&tissue->rig, &def, NULL, NULL, 0);
+    open_of(tissue, &def);
+}
+
+void tissue_rig_open_unlisted(struct tissue_rig *tissue, uint32_t channels)
+{
+    dpt_world_def def = rig_def(DPT_LAW_PROXY);
+    def.max_contacts = 0;
+    def.max_channels = channels;
+    open_of(tissue, &def);
 }
 
 void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget)

@@ -94,6 +94,7 @@ void tissue_rig_open(struct tissue_rig *tissue);
 void tissue_rig_open_within(struct tissue_rig *tissue, uint32_t budget);
 void tissue_rig_open_on(struct tissue_rig *tissue, uint32_t kernel);
 void tissue_rig_open_pierced(struct tissue_rig *tissue, uint32_t channels, uint32_t budget, uint32_t kernel);
+void tissue_rig_open_unlisted(struct tissue_rig *tissue, uint32_t channels); /* no contacts are listed */
 void tissue_rig_close(struct tissue_rig *tissue);
 
 /* Opened with a tool, which it returns: a rod of 60 mm that leans, 0 is upright on its tip, pi / 2 lies across. */
