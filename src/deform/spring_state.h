@@ -104,7 +104,7 @@ struct dpt_springs {
     struct spring_slice *state[2];
     uint32_t now; /* which of the states is the last step's */
     float *points[2];
-    uint32_t at; /* which of the points are those of the state */
+    uint32_t at;        /* which of the points are those of the state */
     float *forces;      /* of SYMPLECTIC and EULER: rows of 48 a slice, in a substep that is foreseen */
     uint8_t *is_forced; /* 1 a slice: they are known */
     struct spring_loads loads[2];

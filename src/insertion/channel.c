@@ -279,9 +279,9 @@ static int note_near(const struct channel_search *search, const struct kernel *k
     return near->is_known || near->count == CHANNEL_NEAR_MAX;
 }
 
-int dpti_channel_search_near(struct channel_search *search, const struct channel *channel, const struct surface *surface,
-                             const uint8_t *regions, const struct kernel *kernel, struct work *work,
-                             struct channel_near *near)
+int dpti_channel_search_near(struct channel_search *search, const struct channel *channel,
+                             const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,
+                             struct work *work, struct channel_near *near)
 {
     set_search(search, channel, surface, regions);
     if (!was_near(search, near) && !note_near(search, kernel, work, near))

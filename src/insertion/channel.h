@@ -119,9 +119,9 @@ int dpti_channel_search_on(struct channel_search *search);
  * The same at once, of a surface that deforms. What was near a line a while ago is all that is near another one, if that and
  * the vertices have not moved farther than the margin since: `near` is of such a line, or is made.
  */
-int dpti_channel_search_near(struct channel_search *search, const struct channel *channel, const struct surface *surface,
-                             const uint8_t *regions, const struct kernel *kernel, struct work *work,
-                             struct channel_near *near);
+int dpti_channel_search_near(struct channel_search *search, const struct channel *channel,
+                             const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,
+                             struct work *work, struct channel_near *near);
 
 /* Where the tip stands before the next wall, `clearance` m from touching it; or at the limit. */
 double dpti_channel_stop(const struct channel *channel, double clearance);

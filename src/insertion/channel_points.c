@@ -150,8 +150,8 @@ void dpti_channel_points_at(const struct channel *channel, const struct surface 
         at[i] = dpti_channel_point_at(surface, &channel->points[i]);
 }
 
-double dpti_channel_mean_place(const struct channel *channel, const vec3 at[CHANNEL_POINTS_MAX], double anchor, vec3 tip,
-                               vec3 axis)
+double dpti_channel_mean_place(const struct channel *channel, const vec3 at[CHANNEL_POINTS_MAX], double anchor,
+                               vec3 tip, vec3 axis)
 {
     double sum = 0.0;
     for (uint32_t i = 0; i < channel->point_count; i++) {

@@ -39,8 +39,8 @@ double dpti_channel_share(const struct channel *channel, uint32_t number, double
 void dpti_channel_points_at(const struct channel *channel, const struct surface *surface, vec3 at[CHANNEL_POINTS_MAX]);
 
 /* Where a tip is by that mean: all in the body's frame. */
-double dpti_channel_mean_place(const struct channel *channel, const vec3 at[CHANNEL_POINTS_MAX], double anchor, vec3 tip,
-                               vec3 axis);
+double dpti_channel_mean_place(const struct channel *channel, const vec3 at[CHANNEL_POINTS_MAX], double anchor,
+                               vec3 tip, vec3 axis);
 
 /*
  * Of a channel in a body that has deformed, find the line's mouth and direction again: from its last point, and towards

@@ -88,7 +88,8 @@ static void set_across(struct tissue_shaft *shaft, double stiffness, vec3 tip, c
     for (uint32_t i = 0; i < shaft->point_count; i++) {
         const struct channel_point *point = &shaft->channel->points[i];
         const double now = stiffness_across(shaft, stiffness, i);
-        const vec3 from = sub(tip, frame_to_world(&body->frame, points[i])), away = along(from, -dot(from, shaft->axis), shaft->axis);
+        const vec3 from = sub(tip, frame_to_world(&body->frame, points[i])),
+                   away = along(from, -dot(from, shaft->axis), shaft->axis);
         const vec3 offset = frame_turn(&body->frame, point->offset);
         shaft->across[i] = now;
         shaft->offset[i] = offset;

@@ -30,7 +30,6 @@ static inline uint32_t shaft_touch_kind(const struct touch *touch)
  */
 void dpti_shafts_gather(struct tissue_solve *solve, const struct touch_search *search, int is_solved);
 
-
 /* After touches were linked, and before any other rows are added: their rows. */
 void dpti_shafts_add_rows(struct tissue_solve *solve);
 

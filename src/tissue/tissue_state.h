@@ -28,7 +28,8 @@ struct tissue_body {
     uint32_t number; /* the caller's */
     const struct body *body;
     uint32_t is_touched;
-    uint32_t shaft; /* one more than the number of the shaft that alone touches it; 0: others do, too, or nothing does */
+    uint32_t
+        shaft; /* one more than the number of the shaft that alone touches it; 0: others do, too, or nothing does */
     struct loaded_step step;
 };
 
@@ -152,10 +153,11 @@ struct tissue_shaft {
     uint32_t channel_id;
     uint32_t point_count; /* of those that hold it */
     const struct body *body;
-    vec3 axis;                               /* of the tool at its proxy, in the world */
-    uint32_t touch[CHANNEL_POINTS_MAX];      /* one more than that of each point of the channel; 0: it has none */
-    double share[CHANNEL_POINTS_MAX];        /* of each point in the mean of all */
-    vec3 moved[CHANNEL_POINTS_MAX];          /* m: how far each would go, as a node's `moved` and `answer`, in the body's frame */
+    vec3 axis;                          /* of the tool at its proxy, in the world */
+    uint32_t touch[CHANNEL_POINTS_MAX]; /* one more than that of each point of the channel; 0: it has none */
+    double share[CHANNEL_POINTS_MAX];   /* of each point in the mean of all */
+    vec3
+        moved[CHANNEL_POINTS_MAX]; /* m: how far each would go, as a node's `moved` and `answer`, in the body's frame */
     vec3 known[CHANNEL_POINTS_MAX];          /* N, likewise: what is known to load it */
     vec3 load[CHANNEL_POINTS_MAX];           /* N: all that loads it in a substep */
     double across[CHANNEL_POINTS_MAX];       /* N/m */
@@ -177,7 +179,8 @@ struct tissue_shaft {
 /* m/N: how far a newton on one point of a shaft moves another one along itself; and what touches beside it. */
 struct shaft_products {
     uint32_t is_known;
-    uint32_t beside; /* one more than where these begin in the solve's `beside`, a row of points a touch; 0: not known */
+    uint32_t
+        beside; /* one more than where these begin in the solve's `beside`, a row of points a touch; 0: not known */
     double of[CHANNEL_POINTS_MAX][CHANNEL_POINTS_MAX];
 };
 
