@@ -55,7 +55,8 @@ $(B)/tests/$(basename $(notdir $1)): $(B)/$(1:.c=.o) $(call shared_of,$(dir $1))
 endef
 $(foreach source,$(TEST_SOURCES),$(eval $(call TEST_PROGRAM,$(source))))
 SITED := $(B)/tests/test_damaged_files $(B)/tests/test_arm
-COUNTED_TESTS := $(B)/tests/test_linear_cost $(B)/tests/test_compile_cost $(B)/tests/test_springs_cost $(B)/tests/test_proxy_work $(B)/tests/test_needle_soft_cost
+COUNTED_TESTS := $(B)/tests/test_linear_cost $(B)/tests/test_compile_cost $(B)/tests/test_springs_cost $(B)/tests/test_proxy_work \
+  $(B)/tests/test_needle_soft_cost
 ifneq ($(CONFIG),release)
 TESTS := $(filter-out $(COUNTED_TESTS),$(TESTS))
 endif

@@ -41,7 +41,8 @@ void dpti_explicit_undo(struct explicit_step *step, int is_taken);
 
 /*
  * Where a substep would take a slice's nodes with the loads that are set: how far from where they are, m, in rows of 16 x,
- * y, z, of the lanes that are set as bits, and no others. With EULER it is where the speeds of this substep lead in the next one, as loads move nothing before. `slid` is
+ * y, z, of the lanes that are set as bits, and no others. With EULER it is where the speeds of this substep lead in the
+ * next one, as loads move nothing before. `slid` is
  * the part of it by which the loads of the substep before had not moved them yet. Of a slice that sleeps: where it would
  * go if the load that it fell asleep with were gone.
  */

@@ -43,7 +43,7 @@ struct channel_point {
 
 enum { CHANNEL_NEAR_MAX = 64 };
 
-/* The triangles of a surface that deforms that were within a margin beyond the radius of a line, all of them, in order. */
+/* Triangles of a surface that deforms: all that were within a margin beyond the radius of a line, in their order. */
 struct channel_near {
     uint32_t is_known;
     uint32_t count;
@@ -116,8 +116,8 @@ void dpti_channel_search_begin(struct channel_search *search, const struct chann
 int dpti_channel_search_on(struct channel_search *search);
 
 /*
- * The same at once, of a surface that deforms. What was near a line a while ago is all that is near another one, if that and
- * the vertices have not moved farther than the margin since: `near` is of such a line, or is made.
+ * The same at once, of a surface that deforms. What was near a line a while ago is all that is near another one, if that
+ * and the vertices have not moved farther than the margin since: `near` is of such a line, or is made.
  */
 int dpti_channel_search_near(struct channel_search *search, const struct channel *channel,
                              const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,

@@ -175,7 +175,7 @@ static double product_of(const struct tissue_solve *solve, const struct tissue_r
                                                                     : tissue_spread_at(solve, its));
 }
 
-/* Whether what a row of a shaft moves beside its own is asked for by nodes: other shafts, twists, and all without room. */
+/* Whether what a row of a shaft moves beside its own is asked of nodes: by other shafts, twists, and without room. */
 static int needs_spread(struct tissue_solve *solve, uint32_t shaft)
 {
     if (is_alone(solve, shaft))

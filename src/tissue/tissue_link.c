@@ -181,7 +181,7 @@ static void add_spread(struct linking *linking, const struct surface *surface, c
     add_corners(linking, surface, touch);
 }
 
-/* The point of a channel. What else touches along a shaft loads such points (tissue_shaft.h), and has no nodes of its own. */
+/* The point of a channel. What else touches along a shaft loads such points, and has no nodes of its own. */
 static void add_point(struct linking *linking, const struct surface *surface, const struct touch *touch)
 {
     const uint32_t number = shaft_touch_kind(touch);

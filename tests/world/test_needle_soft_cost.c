@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
  * What a tick costs with a needle in a soft body, beside one with the same needle that presses on it: in basic blocks
- * (lib/block_count.h). These leave out what kernels do, as springs pull and are moved, which is the most of both ticks and
- * almost the same: whole ticks are nearer to each other (docs/algorithms/insertion.md).
+ * (lib/block_count.h). These leave out what kernels do, as springs pull and are moved, which is the most of both ticks
+ * and almost the same: whole ticks are nearer to each other (docs/algorithms/insertion.md).
  */
 #include "lib/block_count.h"
 #include "world/soft_needle.h"
@@ -20,8 +20,9 @@ static const char *const names[HANDS] = { "advances", "withdraws", "trembles" };
 #define NEVER 1e6
 
 /*
- * So many times the blocks of one that presses. Measured: 1.2 to 1.5 with SYMPLECTIC, 1.1 to 1.2 with IMPLICIT, 1.4 to 1.6
- * where another tool presses, too. Where a row of the shaft asks all nodes that it loads it is 3.5 to 4.3, 6 to 8, and 3 to 4.
+ * So many times the blocks of one that presses. Measured: 1.2 to 1.5 with SYMPLECTIC, 1.1 to 1.2 with IMPLICIT, 1.4 to
+ * 1.6 where another tool presses, too. Where each row of the shaft asks all nodes that it loads it is 3.5 to 4.3, 6 to 8,
+ * and 3 to 4.
  */
 #define MOST_SYMPLECTIC 1.9
 #define MOST_IMPLICIT   1.6
