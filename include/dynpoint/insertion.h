@@ -15,7 +15,8 @@
  * further walls. A tool that is drawn out is free again. The hole stays: in it the tip meets no wall and cuts nothing
  * that it has cut. Only the tool that made a hole goes into it: where its tip is within its radius of the channel's line
  * and within twice that of the mouth along it, and where it leans from the line by a cosine of 0.9 or more. One that is
- * in another channel goes in where the hole lies on its line within a tenth of its radius.
+ * in another channel goes in where the hole lies on its line within a tenth of its radius, or its radius in a body that
+ * gives way.
  *
  * In a body, the needle can pass only where its straight cylinder cuts walls that have ruptured. Needles do not bend.
  *

@@ -156,6 +156,7 @@ int dpti_is_at_own_hole(const struct proxy_tick *tick, const struct channel *cha
         return 0;
     const struct channel_line host = dpti_channel_line(world, &world->channels[insertion->in[0].channel]);
     const struct channel_line line = dpti_channel_line(world, channel);
+    const double place = insertion->in[0].place + dpti_channel_offset(&host, &line);
     return dpti_is_on_line(tick, &host, &line) &&
-           fabs(insertion->in[0].place + dpti_channel_offset(&host, &line)) <= AT_MOUTH * tick->clearance;
+           fabs(place - dpti_channel_mouth_place(tick, channel)) <= AT_MOUTH * tick->clearance;
 }

@@ -114,13 +114,24 @@ static int follow_others(const struct proxy_tick *tick, const struct channel_lin
     return 1;
 }
 
+/* A hole of its own in a body that deforms, in which it is not: it is where the body has it. */
+static int is_other_hole_in_tissue(const struct proxy_tick *tick, const struct channel *channel)
+{
+    const struct dpt_world *world = tick->world;
+    return channel->body_id && channel->point_count && world_find_tool(world, channel->tool_id) == tick->tool &&
+           dpti_channel_body(world, channel)->surface.motion &&
+           !dpti_is_inserted_in(world, tick->tool, channel->body_id);
+}
+
 /* At another hole of its own on the line the tip meets no wall: it is in that, too. */
-static void enter_holes(const struct proxy_tick *tick, const struct channel_line *host)
+static void enter_holes(struct proxy_tick *tick, const struct channel_line *host)
 {
     struct dpt_world *world = tick->world;
     struct insertion *insertion = insertion_of(world, tick->tool);
     for (uint32_t i = 0; i < world->def.max_channels && insertion->count < INSERTION_CHANNELS_MAX; i++) {
-        const struct channel *channel = &world->channels[i];
+        struct channel *channel = &world->channels[i];
+        if (is_other_hole_in_tissue(tick, channel) && !dpti_tissue_hole_find(tick, channel))
+            continue;
         if (!dpti_is_at_own_hole(tick, channel))
             continue;
         const struct channel_line line = dpti_channel_line(world, channel);

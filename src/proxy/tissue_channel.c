@@ -190,6 +190,9 @@ void dpti_tissue_channels_balanced(struct proxy_tick *tick, double allowed)
 /* The cosine of the largest turn from a tool to the hole that it enters. */
 #define ALIGNED 0.9
 
+/* As a multiple of the radius: so far along a slanted hole the tip may be from its entry, at the mouth. */
+#define SLANTED 4.0
+
 /* What is left of the hole for a tip is its entry, as deeper points hold it by and by: it goes in as it points. */
 int dpti_tissue_hole_find(struct proxy_tick *tick, struct channel *channel)
 {
@@ -204,8 +207,12 @@ int dpti_tissue_hole_find(struct proxy_tick *tick, struct channel *channel)
     if (!(dot(axis, channel->axis) >= ALIGNED) || length(cross(from, axis)) > channel->radius)
         return 0;
     const double at_entry = last->place + dot(sub(entry, dpti_channel_point_at(surface, last)), axis);
+    /* What holds a tool in other channels does not let it go aside: there the hole gives way. */
+    const int is_in = tool_is_inserted(world, tick->tool);
+    if (is_in && fabs(dot(from, axis)) > SLANTED * channel->radius)
+        return 0;
     channel->axis = axis;
-    channel->mouth = along(entry, -at_entry, axis);
+    channel->mouth = is_in ? along(tip, -at_entry - dot(from, axis), axis) : along(entry, -at_entry, axis);
     return dpti_channel_lay_again(channel, surface, &world->kernel, at_entry + dot(from, axis) - channel->length,
                                   &world->work);
 }

@@ -93,6 +93,48 @@ static void layers_come_in_order(void)
     }
 }
 
+/*
+ * Through a rigid box into a soft one behind it, out of that, which goes aside by half the needle's radius, and in again: its
+ * hole is there where the tissue is, and takes no rupture.
+ */
+static void a_hole_behind_is_found_again(void)
+{
+    for (int i = 0; i < TISSUE_INTEGRATORS; i++) {
+        struct tissue_def def = soft_needle_liver(tissue_integrators[i]);
+        const dpt_body_settings gel = soft_needle_gel(15.0);
+        struct soft_needle needle;
+        dpt_channel channels[4];
+        uint32_t ruptures = 0;
+        def.shape = "box";
+        def.triangles = 432;
+        if (!soft_needle_open(&needle, &def, &gel, STIFFNESS))
+            return;
+        add_box(&needle, 0.085);
+        needle.depth = -0.087;
+        soft_needle_aim(&needle);
+        tissue_rig_place(&needle.tissue);
+        soft_needle_go(&needle, 0.01);
+        CHECK(soft_needle_channels(&needle, channels, 4) == 2 && channels[1].flags == DPT_CHANNEL_FLAG_OCCUPIED,
+              "%d: it is not in both", i);
+        soft_needle_go(&needle, -0.004);
+        CHECK(soft_needle_channels(&needle, channels, 4) == 2 && channels[1].flags == 0, "%d: it is not out", i);
+        dpt_pose aside = DPT_POSE_IDENTITY;
+        for (int k = 1; k <= 100; k++) {
+            aside.position[0] = 0.5 * NEEDLE_RADIUS * k / 100.0;
+            CHECK(dpt_body_set_pose(needle.tissue.rig.world, needle.body->id, &aside) == DPT_OK, "it stays");
+            soft_needle_tick(&needle);
+        }
+        while (needle.depth < 0.008) {
+            soft_needle_go(&needle, needle.depth + NEEDLE_SLOW);
+            ruptures += (needle.tool->force.flags & DPT_FORCE_FLAG_RUPTURE) != 0;
+        }
+        const uint32_t count = soft_needle_channels(&needle, channels, 4);
+        CHECK(count == 2 && ruptures == 0 && channels[1].flags == DPT_CHANNEL_FLAG_OCCUPIED,
+              "%d: %u channels, %u ruptures, flags %x", i, count, ruptures, channels[1].flags);
+        soft_needle_close(&needle);
+    }
+}
+
 static void what_goes_lets_it_go(void)
 {
     for (int kind = 0; kind < 4; kind++) {
@@ -350,6 +392,7 @@ int main(int argc, char **argv)
 {
     take_percent(argc, argv);
     TEST(layers_come_in_order);
+    TEST(a_hole_behind_is_found_again);
     TEST(what_goes_lets_it_go);
     TEST(bodies_that_move_take_it_along);
     TEST(budgets_only_delay);
