@@ -94,8 +94,8 @@ static void layers_come_in_order(void)
 }
 
 /*
- * Through a rigid box into a soft one behind it, out of that, which goes aside by half the needle's radius, and in again: its
- * hole is there where the tissue is, and takes no rupture.
+ * Through a rigid box into a soft one behind it, out of that, which goes aside by half the needle's radius, and in again:
+ * its hole is there where the tissue is, and takes no rupture.
  */
 static void a_hole_behind_is_found_again(void)
 {
