@@ -37,7 +37,7 @@ typedef struct dpt_springs dpt_springs;
  *               time, but for damping. A step that is too long for it is cut into equal substeps
  *   EULER       the paper's: positions with the old speeds. Gains energy where damping does not take it away. Cut into
  *               substeps as well
- *   IMPLICIT    stable for any stiffness and step, in one substep. Energy grows by no more than the work of loads and
+ *   IMPLICIT    stable for any stiffness and step, in one substep, or in min_substeps. Energy grows by no more than the work of loads and
  *               gravity. What is faster than the step is damped. It costs iterations + 2 times a substep of the others
  */
 enum { DPT_INTEGRATOR_SYMPLECTIC = 0, DPT_INTEGRATOR_EULER = 1, DPT_INTEGRATOR_IMPLICIT = 2 };
@@ -73,6 +73,12 @@ typedef struct dpt_springs_def {
     uint32_t iterations;   /* of IMPLICIT in a step, 1..1024; 2 */
     uint32_t max_substeps; /* of SYMPLECTIC and EULER in a step, 1..65535; 16 */
     uint32_t kernel;       /* DPT_KERNEL_...; DPT_KERNEL_AUTO */
+    /*
+     * Substeps of a step, 0..65535: at least so many, and of IMPLICIT just so many. Of a long step many substeps of few
+     * iterations are nearer to the truth than one of many, at the same cost. 0: as few as are stable; 0
+     */
+    uint32_t min_substeps;
+    uint32_t reserved_word; /* 0 */
 } dpt_springs_def;
 
 /* Fill in the first `size` bytes; what dpt_springs_def_init calls with its own caller's sizeof. */

@@ -61,10 +61,14 @@ static uint32_t substeps_no_longer_than(double longest, double dt)
 
 uint32_t dpti_springs_substeps_of(const struct dpt_springs *springs, double dt)
 {
+    const uint32_t least = springs->def.min_substeps ? springs->def.min_substeps : 1;
     if (springs->def.integrator == DPT_INTEGRATOR_IMPLICIT)
-        return 1;
+        return least;
     const double longest = STABLE_SHARE * springs->stable_step;
-    return dt <= longest * (double)springs->def.max_substeps ? substeps_no_longer_than(longest, dt) : 0;
+    if (!(dt <= longest * (double)springs->def.max_substeps))
+        return 0;
+    const uint32_t stable = substeps_no_longer_than(longest, dt);
+    return stable > least ? stable : least;
 }
 
 uint32_t dpti_springs_touched_substeps(const struct dpt_springs *springs, double dt)
@@ -263,8 +267,12 @@ int dpti_loaded_step_make(struct loaded_step *step, struct dpt_springs *springs,
     dpti_loaded_step_begin(step, springs, dt, dpti_springs_substeps_of(springs, dt), 0, 0);
     set_loads(&springs->loads[springs->loaded], loads, count, vertices);
     wake(step);
-    if (is_implicit(step))
-        return dpti_implicit_substep(&step->implicit, &step->info.flags);
+    if (is_implicit(step)) {
+        int is_done = 1;
+        for (uint32_t i = 0; i < step->info.substeps && is_done; i++)
+            is_done = dpti_implicit_substep(&step->implicit, &step->info.flags);
+        return is_done;
+    }
     step->is_taken = dpti_springs_substeps(springs, dt / (double)step->info.substeps, step->info.substeps);
     return step->is_taken;
 }

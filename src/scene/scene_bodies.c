@@ -296,6 +296,30 @@ static dpt_result find_compliances(struct scene_body *body, const struct force_o
     return dpt_springs_get_compliances(body->springs, body->apart, count, body->compliances);
 }
 
+/* Rounding of a ratio of two periods. */
+#define WHOLE 1e-9
+
+/* s: substeps of IMPLICIT are no longer than that in a step of a rate of its own. */
+#define IMPLICIT_SUBSTEP 1e-3
+
+/* And those of the others are as many in a second as ticks of 1 kHz may have. */
+#define SUBSTEPS_LOOP 1e-3
+
+/* How many substeps a step may have, if the body is stepped at a rate of its own, or with the loop. */
+static uint32_t substeps_most(const struct scene_body *body)
+{
+    dpt_springs_def usual;
+    dpt_springs_def_init(&usual);
+    return (uint32_t)ceil(usual.max_substeps * fmax(1.0, body->apart / SUBSTEPS_LOOP * (1.0 - WHOLE)));
+}
+
+static void choose_substeps(const struct scene_body *body, dpt_springs_def *springs)
+{
+    springs->max_substeps = substeps_most(body);
+    if (body->apart > 0.0 && body->integrator == DPT_INTEGRATOR_IMPLICIT)
+        springs->min_substeps = (uint32_t)ceil(body->apart / IMPLICIT_SUBSTEP * (1.0 - WHOLE));
+}
+
 static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body, dpt_world *world,
                            const struct force_options *options)
 {
@@ -319,6 +343,7 @@ static dpt_result add_soft(struct scene_bodies *bodies, struct scene_body *body,
     springs.integrator = body->integrator;
     if (body->iterations)
         springs.iterations = body->iterations;
+    choose_substeps(body, &springs);
     if (body->sleep_speed != 0.0)
         springs.sleep_speed = fmax(body->sleep_speed, 0.0);
     for (int k = 0; k < 3; k++) {
@@ -387,17 +412,17 @@ dpt_result scene_bodies_add(struct scene_bodies *bodies, dpt_world *world, const
 dpt_result scene_bodies_check_step(const struct scene_bodies *bodies, const char *path, double dt,
                                    dpt_host_error *error)
 {
-    dpt_springs_def usual;
-    dpt_springs_def_init(&usual);
     for (uint32_t i = 0; i < bodies->count; i++) {
         const dpt_springs *springs = bodies->body[i].springs;
         const double stable = dpt_springs_get_stable_step(springs);
-        if (springs && !(dt <= STEP_SHARE * stable * usual.max_substeps))
+        const uint32_t most = substeps_most(&bodies->body[i]);
+        const int is_implicit = bodies->body[i].integrator == DPT_INTEGRATOR_IMPLICIT;
+        if (springs && !is_implicit && !(dt <= STEP_SHARE * stable * most))
             return host_refuse(error, DPT_E_UNSTABLE,
                                "%s: bodies[%u] is too stiff: its steps may take %.3g s, and %u of them "
                                "are less than %g s. Choose the integrator implicit, a material that "
                                "is less stiff or heavier, or a coarser mesh",
-                               path, (unsigned)i, STEP_SHARE * stable, (unsigned)usual.max_substeps, dt);
+                               path, (unsigned)i, STEP_SHARE * stable, (unsigned)most, dt);
     }
     return DPT_OK;
 }

@@ -11,6 +11,9 @@
 /* Loads that a body may have at a time: for each point at which a tool pushes (body.h), and at least. */
 enum { VERTICES_OF_POINT = 256, LOADS_MIN = 2048, NODES_OF_VERTEX = 4 };
 
+/* s: in longer steps of physics, volumes look ahead as well. */
+#define FORESEEN_PERIOD 3e-3
+
 static dpt_result open_nodes(struct soft_exchange *exchange, const dpt_mesh *mesh)
 {
     const float *rest;
@@ -30,7 +33,7 @@ static dpt_result open_nodes(struct soft_exchange *exchange, const dpt_mesh *mes
 }
 
 dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points,
-                              int has_compliance)
+                              int has_compliance, double period)
 {
     exchange->has_compliance = has_compliance;
     exchange->loads_room = VERTICES_OF_POINT * max_points;
@@ -44,8 +47,8 @@ dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *me
         answer->vertices = calloc(3 * (size_t)exchange->vertex_count, sizeof(float));
         answer->loads.load = calloc(exchange->loads_room, sizeof(dpt_load));
         exchange->loads[i].load = calloc(exchange->loads_room, sizeof(dpt_load));
-        /* Of a sheet the nodes are light. A body that has volume is held without, at half of the cost. */
-        const int foresees = has_compliance && !exchange->embedding;
+        /* Of a sheet the nodes are light. A body that has volume is held without, at half of the cost, but it lags. */
+        const int foresees = has_compliance && (!exchange->embedding || period > FORESEEN_PERIOD);
         answer->foreseen = foresees ? calloc(3 * (size_t)exchange->vertex_count, sizeof(float)) : NULL;
         if ((foresees && !answer->foreseen) || !answer->vertices || !answer->loads.load || !exchange->loads[i].load)
             result = DPT_E_MEMORY;
@@ -151,12 +154,15 @@ dpt_result soft_exchange_step(struct soft_exchange *exchange, dpt_springs *sprin
     if (answer->has_moved)
         result = dpt_springs_get_nodes(springs, exchange->node_count,
                                        exchange->embedding ? exchange->nodes : answer->vertices, NULL);
+    if (result == DPT_OK && exchange->embedding && answer->has_moved)
+        place_vertices(exchange, answer->vertices);
     if (result == DPT_OK && answer->has_moved && answer->foreseen)
-        result = dpt_springs_foresee(springs, dt, on_nodes, count, exchange->node_count, answer->foreseen);
+        result = dpt_springs_foresee(springs, dt, on_nodes, count, exchange->node_count,
+                                     exchange->embedding ? exchange->nodes : answer->foreseen);
     if (result != DPT_OK)
         return result;
-    if (exchange->embedding && answer->has_moved)
-        place_vertices(exchange, answer->vertices);
+    if (exchange->embedding && answer->has_moved && answer->foreseen)
+        place_vertices(exchange, answer->foreseen);
     if (answer->has_moved || exchange->has_compliance)
         dpt_latest_publish(&exchange->latest_answer);
     return DPT_OK;
@@ -239,7 +245,7 @@ dpt_result scene_physics_open(struct scene_physics **made, struct scene_bodies *
     for (uint32_t i = 0; result == DPT_OK && i < bodies->count; i++)
         if (bodies->body[i].springs)
             result = soft_exchange_open(&physics->exchange[i], bodies->body[i].mesh, def.max_points,
-                                        bodies->body[i].compliances != NULL);
+                                        bodies->body[i].compliances != NULL, physics->period);
     return result;
 }
 

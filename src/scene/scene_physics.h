@@ -60,9 +60,10 @@ struct soft_exchange {
  * Of a mesh with springs, which stays open. DPT_E_MEMORY: memory ran out. Close it also after a failure.
  *   max_points       of the body's dpt_deformable_def
  *   has_compliance   1: its compliance is above 0
+ *   period           s: of a step of physics. Sheets look ahead, and in long steps volumes do
  */
 dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points,
-                              int has_compliance);
+                              int has_compliance, double period);
 void soft_exchange_close(struct soft_exchange *exchange);
 
 /* If physics has an answer, the body is told. *is_new says whether its vertices are bound for somewhere else then. */

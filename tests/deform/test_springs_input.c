@@ -72,6 +72,12 @@ static void defs_are_checked(void)
     def.reserved_pointer = &def;
     CHECK(create(&net, &def) == DPT_E_ARGUMENT, "reserved_pointer");
     def = good;
+    def.reserved_word = 1;
+    CHECK(create(&net, &def) == DPT_E_ARGUMENT, "reserved_word");
+    def = good;
+    def.min_substeps = 65536;
+    CHECK(create(&net, &def) == DPT_E_ARGUMENT, "min_substeps");
+    def = good;
     def.kernel = 77;
     CHECK(create(&net, &def) == DPT_E_UNSUPPORTED, "kernel");
     const size_t bytes = dpti_springs_net_bytes(&good, &net.rows);
@@ -102,7 +108,7 @@ static dpt_result report_sized(void *report)
 static void structs_are_taken_as_far_as_they_go(void)
 {
     const dpt_springs_def good = def_of(DPT_INTEGRATOR_IMPLICIT);
-    const struct sized def = { "dpt_springs_def", sizeof good, sizeof good, create_sized };
+    const struct sized def = { "dpt_springs_def", offsetof(dpt_springs_def, min_substeps), sizeof good, create_sized };
     const struct sized report = { "dpt_springs_info", offsetof(dpt_springs_info, result), sizeof(dpt_springs_info),
                                   report_sized };
     dpt_springs_def defaults;

@@ -107,7 +107,7 @@ MeshSprings = struct("dpt_mesh_springs", (c_uint32, "size nodes slices springs")
 SpringsDef = struct("dpt_springs_def", (c_uint32, "size integrator"), (c_void_p, "mesh reserved_pointer"),
                     (c_uint32, "max_loads reserved"), (double3, "gravity"),
                     (c_double, "stiffness contact_stiffness sleep_speed"),
-                    (c_uint32, "sleep_steps iterations max_substeps kernel"))
+                    (c_uint32, "sleep_steps iterations max_substeps kernel min_substeps reserved_word"))
 Compiled = struct("dpt_compiled", (c_void_p, "bytes"), (c_size_t, "size"))
 Joint = struct("dpt_arm_joint", (c_uint32, "size kind"), (c_double, "lower upper velocity effort damping friction"),
                (c_char * 64, "name"))
