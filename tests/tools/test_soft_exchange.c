@@ -30,9 +30,8 @@ static int open_soft(struct soft *soft, const char *name, double rate, uint32_t 
     memset(soft, 0, sizeof *soft);
     if (!soft_scene_open(&soft->scene, name, rate, law))
         return 0;
-    const dpt_result result =
-        soft_exchange_open(&soft->exchange, body_of(soft)->mesh, MAX_POINTS, body_of(soft)->compliances != NULL,
-                           rate > 0.0 ? 1.0 / rate : 0.0);
+    const dpt_result result = soft_exchange_open(&soft->exchange, body_of(soft)->mesh, MAX_POINTS,
+                                                 body_of(soft)->compliances != NULL, rate > 0.0 ? 1.0 / rate : 0.0);
     CHECK(result == DPT_OK, "%s", dpt_result_name(result));
     return result == DPT_OK;
 }

@@ -132,13 +132,15 @@ static int make_net(struct tissue *tissue)
     tissue->load = calloc(3 * n, sizeof *tissue->load);
     tissue->kept = malloc(6 * n * sizeof *tissue->kept);
     tissue->positions = malloc(3 * n * sizeof *tissue->positions);
+    tissue->ahead = malloc(3 * n * sizeof *tissue->ahead);
+    tissue->answered = malloc(LOADS_MAX * sizeof *tissue->answered);
     tissue->last_positions = malloc(3 * n * sizeof *tissue->last_positions);
     tissue->answers = calloc(n, sizeof *tissue->answers);
     tissue->loads = malloc(LOADS_MAX * sizeof *tissue->loads);
     tissue->last = malloc(LOADS_MAX * sizeof *tissue->last);
     int is_made = tissue->links && tissue->first && tissue->is_fixed && tissue->area && tissue->pull && tissue->off &&
                   tissue->speed && tissue->load && tissue->positions && tissue->loads && tissue->last &&
-                  tissue->last_positions && tissue->answers && tissue->kept;
+                  tissue->last_positions && tissue->answers && tissue->kept && tissue->ahead && tissue->answered;
     for (size_t i = 0; i < sizeof tissue->scratch / sizeof *tissue->scratch; i++) {
         tissue->scratch[i] = calloc(3 * n, sizeof **tissue->scratch);
         is_made = is_made && tissue->scratch[i];
@@ -198,6 +200,8 @@ void tissue_close(struct tissue *tissue)
     free(tissue->load);
     free(tissue->kept);
     free(tissue->positions);
+    free(tissue->ahead);
+    free(tissue->answered);
     free(tissue->answers);
     free(tissue->loads);
     free(tissue->last);
@@ -285,22 +289,21 @@ static void beat_at(const struct tissue *tissue, double time, double *ends)
 
 static void take_loads(struct tissue *tissue)
 {
-    uint32_t count;
     double seconds;
     memset(tissue->load, 0, 3 * sizeof *tissue->load * (size_t)tissue->vertices);
-    dpt_result result =
+    tissue->answered_count = 0;
+    const dpt_result result =
         tissue->compliance > 0.0
-            ? dpt_body_get_mean_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count, &seconds)
-            : dpt_body_get_loads(tissue->world, tissue->body, tissue->loads, LOADS_MAX, &count);
-    if (result == DPT_OK && tissue->compliance > 0.0)
-        result = dpt_body_set_answered_loads(tissue->world, tissue->body, tissue->loads, count);
+            ? dpt_body_get_mean_loads(tissue->world, tissue->body, tissue->answered, LOADS_MAX, &tissue->answered_count,
+                                      &seconds)
+            : dpt_body_get_loads(tissue->world, tissue->body, tissue->answered, LOADS_MAX, &tissue->answered_count);
     if (result != DPT_OK) {
         tissue->has_failed = 1;
         return;
     }
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < tissue->answered_count; i++)
         for (size_t k = 0; k < 3; k++)
-            tissue->load[3 * (size_t)tissue->loads[i].vertex + k] += tissue->loads[i].force[k];
+            tissue->load[3 * (size_t)tissue->answered[i].vertex + k] += tissue->answered[i].force[k];
 }
 
 /* Physics goes on from where the tool put the vertices. */
@@ -313,17 +316,25 @@ static void take_positions(struct tissue *tissue)
         tissue->off[i] = (double)positions[i] - (double)tissue->rest[i];
 }
 
-static void find_positions(struct tissue *tissue)
+static void find_positions(const struct tissue *tissue, float *positions)
 {
     for (size_t i = 0; i < 3 * (size_t)tissue->vertices; i++)
-        tissue->positions[i] = (float)((double)tissue->rest[i] + tissue->off[i]);
+        positions[i] = (float)((double)tissue->rest[i] + tissue->off[i]);
 }
 
+/* The answer, and the loads that it holds. */
 static void hand_over(struct tissue *tissue)
 {
-    find_positions(tissue);
-    if (dpt_body_set_vertices(tissue->world, tissue->body, 0, tissue->vertices, tissue->positions, -1.0) != DPT_OK)
-        tissue->has_failed = 1;
+    dpt_world *world = tissue->world;
+    const int answers = tissue->compliance > 0.0 && tissue->matter.foundation > 0.0 && !tissue->is_led;
+    dpt_result result =
+        answers ? dpt_body_set_answered_loads(world, tissue->body, tissue->answered, tissue->answered_count) : DPT_OK;
+    if (result == DPT_OK)
+        result = dpt_body_set_vertices(world, tissue->body, 0, tissue->vertices, tissue->positions, -1.0);
+    if (result == DPT_OK && tissue->foresees)
+        result = dpt_body_set_foreseen_vertices(world, tissue->body, 0, tissue->vertices, tissue->ahead);
+    tissue->has_failed |= result != DPT_OK;
+    tissue->is_pending = 0;
 }
 
 /* Implicit Euler: mass and damping against the motion of this step, springs where it ends. */
@@ -356,9 +367,7 @@ static void look_ahead(struct tissue *tissue, double time)
     memcpy(tissue->kept, tissue->off, bytes);
     memcpy(tissue->kept + n, tissue->speed, bytes);
     give_way(tissue, time);
-    find_positions(tissue);
-    if (dpt_body_set_foreseen_vertices(tissue->world, tissue->body, 0, tissue->vertices, tissue->positions) != DPT_OK)
-        tissue->has_failed = 1;
+    find_positions(tissue, tissue->ahead);
     memcpy(tissue->off, tissue->kept, bytes);
     memcpy(tissue->speed, tissue->kept + n, bytes);
 }
@@ -369,6 +378,8 @@ void tissue_advance(struct tissue *tissue)
     if (tissue->is_held)
         return;
     tissue->tick++;
+    if (tissue->is_pending && tick == tissue->due)
+        hand_over(tissue);
     if (tick % tissue->ticks)
         return;
     const double time = TISSUE_TICK * (double)tick;
@@ -381,9 +392,14 @@ void tissue_advance(struct tissue *tissue)
     } else {
         beat_at(tissue, time, tissue->off);
     }
-    hand_over(tissue);
+    find_positions(tissue, tissue->positions);
     if (tissue->foresees)
         look_ahead(tissue, time + tissue_period(tissue));
+    tissue->steps++;
+    tissue->is_pending = !tissue->drops || tissue->steps % tissue->drops;
+    tissue->due = tick + tissue->late;
+    if (tissue->is_pending && !tissue->late)
+        hand_over(tissue);
 }
 
 void tissue_yield(struct tissue *tissue)
@@ -435,6 +451,8 @@ void tissue_rest(struct tissue *tissue)
     memset(tissue->off, 0, n * sizeof *tissue->off);
     memset(tissue->speed, 0, n * sizeof *tissue->speed);
     tissue->tick = 0;
-    tissue->is_watched = 0;
-    hand_over(tissue);
+    tissue->is_watched = tissue->is_pending = 0;
+    find_positions(tissue, tissue->positions);
+    if (dpt_body_set_vertices(tissue->world, tissue->body, 0, tissue->vertices, tissue->positions, -1.0) != DPT_OK)
+        tissue->has_failed = 1;
 }

@@ -81,6 +81,8 @@ struct tissue {
     double
         compliance; /* it tells how far vertices give way, so many times as far as each does by itself; 0: it does not */
     int foresees;   /* with a compliance: it makes a step ahead, and tells where that leads */
+    uint32_t late;  /* ticks of the loop, up to `ticks`, after which an answer is handed over */
+    uint32_t drops;     /* of so many answers one is never handed over; 0: each one is */
     double load_radius; /* m */
     uint32_t response;  /* DPT_RESPONSE_... */
     int is_led;         /* physics gets no loads, and goes on from where vertices were put */
@@ -96,8 +98,12 @@ struct tissue {
     double *off, *speed, *load;
     double *area, *pull; /* of a vertex: a third of its triangles, and the sum of its links */
     double *scratch[6];
-    double *kept; /* where they are, and how fast, while it looks ahead */
-    float *positions;
+    double *kept;             /* where they are, and how fast, while it looks ahead */
+    float *positions, *ahead; /* of the answer, and of the step ahead */
+    dpt_load *answered;       /* with which it was made */
+    uint32_t answered_count;
+    int is_pending; /* it is handed over in a later tick */
+    uint64_t due, steps;
     float *answers;            /* m/N: what it tells */
     struct tissue_link *links; /* of each vertex with its neighbours: N/m by unit of tension */
     uint32_t *first;

@@ -392,8 +392,8 @@ static void spring_report_must_hold(const struct pair_of_springs *pair, const dp
     HOLDS(report->nodes == pair->nodes && report->active <= report->nodes && report->substeps >= 1 &&
               report->substeps >= pair->def.min_substeps &&
               (report->substeps <= pair->def.max_substeps || report->substeps == pair->def.min_substeps) &&
-              report->flags <= DPT_SPRINGS_FLAG_HELD && !report->work &&
-              report->result == DPT_OK && !report->reserved_word,
+              report->flags <= DPT_SPRINGS_FLAG_HELD && !report->work && report->result == DPT_OK &&
+              !report->reserved_word,
           "%u of %u nodes, %u substeps", report->active, report->nodes, report->substeps);
 }
 
