@@ -23,6 +23,11 @@ PROBE = f'<body name="probe" mocap="true" pos="0 0 0.1"><geom type="sphere" size
 BLOCK = """<flexcomp name="organ" type="grid" dim="3" count="{count} {count} {count}" spacing="{edge} {edge} {edge}"
   radius="0" mass="0.3" pos="0 0 {height}"><contact selfcollide="none" contype="0" conaffinity="0"/>
   <elasticity young="2e4" poisson="0.2" damping="0.01"/>{pins}</flexcomp>"""
+SHEET = """<flexcomp name="sheet" type="grid" dim="2" count="15 15 1" spacing=".01 .01 .01" radius="0" mass="0.09"
+  pos="0 0 0"><contact selfcollide="none" contype="0" conaffinity="0"/>
+  <elasticity young="2e5" poisson="0.2" thickness="1e-3" damping="0.001" elastic2d="stretch"/>
+  <pin gridrange="0 0 14 0"/><pin gridrange="0 14 14 14"/><pin gridrange="0 0 0 14"/><pin gridrange="14 0 14 14"/>
+  </flexcomp>"""
 PINNED = '<pin gridrange="0 0 0 4 4 0"/>'
 
 
@@ -65,6 +70,29 @@ class WithMujoco(unittest.TestCase):
         self.assertLess(abs(silent[-1] / fast[-1] - 1), 0.01)
         self.assertLess(left, 1e-12 * silent.max())
         self.assertGreater(apart.min(), 0.01 - 1e-5)  # the ball is in no vertex
+
+    def press_sheet(self, foresees):
+        """A ball of 2,000 N/m comes down 10 mm on a sheet of 0.09 kg in a frame, and stays; MuJoCo steps at 500 Hz."""
+        model, data = make(SHEET + PROBE, 0.002)
+        model.dof_damping[:] = 5e-4
+        model.opt.gravity[:] = 0
+        touch = Touch(model, data, tool="probe", flexes=["sheet"], ticks=2, load_radius=0.03, max_points=64,
+                      foresees=foresees, tool_settings={"stiffness": 2000})
+        forces = []
+        for step in range(750):
+            data.mocap_pos[0, 2] = 0.012 - 0.012 * min(1.0, step / 150)
+            touch.step()
+            forces.append(touch.wrench[2])
+        return np.array(forces[-200:])
+
+    def test_a_light_sheet_is_still_as_its_steps_are_foreseen(self):
+        still, named, shaking = self.press_sheet(None), self.press_sheet(["sheet"]), self.press_sheet([])
+        print(f"note a sheet at 500 Hz, 2,000 N/m: {still.mean():.4f} N, hum {still.std():.1e} N with its steps foreseen, "
+              f"{shaking.std():.1e} N without")
+        self.assertTrue(np.array_equal(still, named))  # sheets are by default
+        self.assertGreater(still.mean(), 0.05)
+        self.assertLess(still.std(), 1e-3)
+        self.assertGreater(shaking.std(), 50 * still.std())
 
     def test_what_is_felt_is_what_holds_the_tissue(self):
         """The pinned vertices bear the tool and the block's weight: force in, force out, by MuJoCo's own dynamics at
@@ -111,6 +139,7 @@ class WithMujoco(unittest.TestCase):
         model, data = make(block() + PROBE + f'<geom name="ball" type="sphere" size="0.01" {OFF}/>'
                            f'<body name="bare" mocap="true"><geom type="box" size=".1 .1 .1" {OFF}/></body>', 0.001)
         for arguments, why in (({"tool": "none"}, "no body 'none'"), ({"tool": "probe", "flexes": ["x"]}, "no flex 'x'"),
+                               ({"tool": "probe", "foresees": ["organ"]}, "'organ' is none of the flexes"),
                                ({"tool": "probe", "geoms": ["ball"]}, "wanted a mesh or a box"),
                                ({"tool": "bare"}, "neither capsules nor spheres")):
             with self.assertRaisesRegex(ValueError, why):

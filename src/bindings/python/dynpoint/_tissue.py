@@ -2,7 +2,7 @@
 """A soft body of somebody else's physics, as a body that gives way: what adapters share."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 import numpy.typing as npt
@@ -39,11 +39,14 @@ class Tissue:
         np.add.at(forces, self.order[self._taken["vertex"]], self._taken["force"])
         return forces
 
-    def give(self, places: Any) -> None:
-        """The owner's positions after the step that had what `take` told."""
+    def give(self, places: Any, foreseen: Optional[Any] = None) -> None:
+        """The owner's positions after the step that had what `take` told; and, of a body that answers, where the next step
+        will lead if these loads stay: what is light needs it to be still."""
         if self.answers:
             self.body.answer(self._taken)
         self.body.vertices = np.ascontiguousarray(np.asarray(places)[self.order], np.float32)
+        if self.answers and foreseen is not None:
+            self.body.foresee(np.ascontiguousarray(np.asarray(foreseen)[self.order], np.float32))
 
     def tick(self, dt: float) -> None:
         """After a step of the world: it gives way, and the tool feels so."""
