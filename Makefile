@@ -187,7 +187,7 @@ CDEF := $(B)/include/dynpoint_cdef.h
 # The manual's pages are what the program says of itself: where it runs.
 MAN := $(if $(filter release,$(CONFIG)),$(if $(filter linux,$(PLATFORM)),$(B)/man/dynpoint.1))
 
-.PHONY: all summary amalgamation force demo test check check-platforms check-view check-wasm check-page firmware vm bench charts figures pictures stability soak fuzz install uninstall help clean
+.PHONY: all summary amalgamation force demo test check check-platforms check-view check-wasm check-page firmware vm bench charts figures soft-tables pictures stability soak fuzz install uninstall help clean
 .SECONDARY:
 all: $(B)/dynpoint$(EXE) $(LIBS:%=%.a) $(LIBS:%=%$(SO)) $(CDEF) $(MAN) $(SUMMARY) ## the program and the libraries (default)
 	@:; $(LEFT_OUT)

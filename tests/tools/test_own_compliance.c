@@ -2,6 +2,8 @@
 /*
  * Physics at a rate of its own that tells how far it gives way (docs/algorithms/deform.md): the laboratory's tissue, at 30 to
  * 1,000 Hz under a loop of 1 kHz. A tool presses it, is held still, and goes up and down at 2 Hz.
+ *
+ *     test_own_compliance [table]   the rows of the tables of docs/algorithms/deform.md, as CSV
  */
 #include <math.h>
 #include <stdlib.h>
@@ -450,10 +452,49 @@ static void what_is_refused(void)
     free(block);
 }
 
-int main(void)
+/* Of a ball and a lying tool, by what is told, when, and how often. */
+static void print_table(void)
+{
+    static const uint32_t ticks[] = { 1, 2, 10, 33 };
+    static const double told[] = { 1.0, 0.1, 10.0 };
+    double once[2][2] = { { 0.0 } };
+    printf("tool,ticks,told,foresees,is_light,late,drops,force,hum,still_jump,jump,swing,ratio,work,late_work,lost\n");
+    for (int i = 0; i < 2 * 2 * 2 * 4 * 3 * 3; i++) {
+        const int when = i % 3, says = i / 3 % 3, rate = i / 9 % 4, is_light = i / 36 % 2, ahead = i / 72 % 2,
+                  tool = i / 144;
+        const uint32_t n = ticks[rate];
+        const struct trial trial = { .tool = tool,
+                                     .ticks = n,
+                                     .told = told[says],
+                                     .foresees = ahead,
+                                     .is_light = is_light,
+                                     .late = when == 2   ? n / 2
+                                             : when == 1 ? n
+                                                         : 0,
+                                     .drops = when == 2 ? 3 : 0 };
+        if ((when && rate < 3) || (is_light && (says || when || !ahead)))
+            continue;
+        const struct result result = run(&trial);
+        if (!ahead && !rate && !says)
+            once[tool][0] = result.swing;
+        if (is_light && !rate)
+            once[tool][1] = result.swing;
+        printf("%s,%u,%g,%d,%d,%u,%u,%.4g,%.3g,%.3g,%.3g,%.4g,%.4f,%.3g,%.3g,%d\n", tool ? "lying" : "ball", n,
+               trial.told, ahead, is_light, trial.late, trial.drops, result.hum.mean, result.hum.rms, result.still_jump,
+               result.jump, result.swing, result.swing / once[tool][is_light], result.work, result.late_work,
+               result.lost);
+    }
+}
+
+int main(int argc, char **argv)
 {
     if (!fixture_from_shape(&membrane, "membrane", 648))
         return check_report();
+    if (argc > 1 && !strcmp(argv[1], "table")) {
+        print_table();
+        fixture_free(&membrane);
+        return 0;
+    }
     TEST(a_held_tool_is_silent);
     TEST(wrong_answers_are_held_too);
     TEST(late_answers_are_held_too);
