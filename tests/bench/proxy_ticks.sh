@@ -3,18 +3,12 @@
 # Ticks of a proxy by two builds, in turns. `sh tests/bench/proxy_ticks.sh PROGRAM OTHER [MESH [TOOL [MOTION [TICKS
 # [FRICTION]]]]]`: both programs are build/tests/bench/proxy_ticks of a build. Each runs TURNS times (5). Prints, for each
 # tool and motion, the least median, 99 % and worst of both in us, and how many times longer the first takes; where
-# valgrind is, k instructions a tick too.
+# valgrind is, k instructions a tick too. OTHER "-": the instructions of PROGRAM alone, of a TOOL and MOTION.
 set -u
 [ $# -ge 2 ] || { sed -n 's/^# //p' "$0" >&2; exit 2; }
 one=$1 other=$2 mesh=${3:-liver} tool=${4:-} motion=${5:-} ticks=${6:-5000} friction=${7:-0}
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
-turn=0
-while [ $turn -lt "${TURNS:-5}" ]; do
-    turn=$((turn + 1))
-    "$one" "$mesh" "$tool" "$motion" "$ticks" "$friction" 1 | sed '1d;s/^/one,/' >>"$work/rows" || exit 2
-    "$other" "$mesh" "$tool" "$motion" "$ticks" "$friction" 1 | sed '1d;s/^/other,/' >>"$work/rows" || exit 2
-done
 
 # k instructions of all steps, by tick, of a program, a tool and a motion; the first 100 ticks are counted too.
 instructions() {
@@ -22,6 +16,19 @@ instructions() {
         "$1" "$mesh" "$2" "$3" 2000 "$friction" 1 >/dev/null 2>&1 || return
     awk '/^(summary|totals):/ { printf "%.1f", $2 / 2100 / 1000; exit }' "$work/out"
 }
+
+if [ "$other" = - ]; then
+    echo "tool,motion,friction,k_instructions"
+    echo "$tool,$motion,$friction,$(instructions "$one" "$tool" "$motion")"
+    exit
+fi
+
+turn=0
+while [ $turn -lt "${TURNS:-5}" ]; do
+    turn=$((turn + 1))
+    "$one" "$mesh" "$tool" "$motion" "$ticks" "$friction" 1 | sed '1d;s/^/one,/' >>"$work/rows" || exit 2
+    "$other" "$mesh" "$tool" "$motion" "$ticks" "$friction" 1 | sed '1d;s/^/other,/' >>"$work/rows" || exit 2
+done
 
 echo "tool,motion,median_us,other,ratio,p99_us,other,ratio,worst_us,other,k_instructions,other,ratio"
 cut -d, -f4,5 "$work/rows" | sort -u | while IFS=, read -r t m; do

@@ -5,6 +5,7 @@
  * device. How stiff the tissue is, and how it is shared among touches, is not judged here.
  */
 #include "lib/mesh_builder.h"
+#include "world/tissue_matrix.h"
 #include "world/tissue_rig.h"
 
 #define HOLD_MU  0.5
@@ -290,9 +291,15 @@ static void a_touch_resists_a_turn_about_its_normal(void)
             off = fmax(off, fabs(spring * (turned - end) + torque) / spring);
             most = fmax(most, share);
             first = t < TURNS / 2 ? end : first;
-            if (t % 50 == 0)
+            if (t % 50 == 0) {
+                uint32_t touches, others;
+                const double asymmetry =
+                    tissue_matrix_asymmetry(tissue.rig.world, tissue.body[0].id, &touches, &others);
+                CHECK(touches && others && asymmetry < 1e-9, "%u pushes, %u rows that rub or twist: %g", touches,
+                      others, asymmetry);
                 CHECK(fabs(torque_of_loads(&tissue) + torque) <= 1e-7, "loads give %g Nm of %g",
                       torque_of_loads(&tissue), torque);
+            }
         }
         CHECK(off < 1e-3, "integrator %d: the torque is off by %g rad", i, off);
         CHECK(first < 0.01, "integrator %d: it sticks, and turns by %g", i, first);

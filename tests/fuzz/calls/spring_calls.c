@@ -118,6 +118,9 @@ static void spoil_def(struct given_def *of)
 
 static void draw_def(struct given_def *of)
 {
+    const uint32_t first = offsetof(dpt_springs_def, min_substeps), today = sizeof of->def;
+    const uint32_t size = draw_size(first, today);
+    const int is_of_today = size >= today;
     memset(of, 0, sizeof *of);
     of->subject = draw_springy();
     CALL(dpt_springs_def_defaults, &of->def, sizeof of->def);
@@ -129,19 +132,18 @@ static void draw_def(struct given_def *of)
     of->def.sleep_steps = 2 + draw_below(8);
     of->def.iterations = 1 + draw_below(12);
     of->def.max_substeps = 1 + draw_below(100);
-    of->def.min_substeps = draw_one_in(2) ? 0 : draw_below(9);
+    of->def.min_substeps = is_of_today && draw_one_in(2) ? draw_below(9) : 0;
     of->def.max_loads = 1 + draw_below(200);
     if (draw_one_in(2))
         of->def.gravity[draw_below(3)] = draw_in(-10.0, 10.0);
-    if (draw_one_in(4))
+    if (is_of_today && draw_one_in(4))
         spoil_def(of);
     if (draw_one_in(40)) {
         of->def.mesh = NULL;
         may_fail(&of->codes, 1, DPT_E_ARGUMENT);
     }
     may_fail(&of->codes, of->def.mesh && !has_springs(of->subject), DPT_E_UNSUPPORTED);
-    const uint32_t today = sizeof of->def;
-    of->given = draw_input(GIVEN_SLOT, &of->def, draw_size(today, today), today, today, &of->codes);
+    of->given = draw_input(GIVEN_SLOT, &of->def, size, first, today, &of->codes);
 }
 
 static unsigned char *new_block(size_t bytes)
