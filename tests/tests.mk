@@ -368,7 +368,7 @@ stability: all ## run the laboratory of force, and make docs/stability.md and it
 	$(B)/dynpoint stability hum --effort 1 --json >>$(B)/bench/stability.json || [ $$? -eq 1 ]
 	$(PYTHON) -B tests/bench/stability.py $(B)/bench/stability.json docs
 
-SOFT_TABLES := $(addprefix $(B)/tests/,$(addprefix test_,springs_indent springs_poisson own_compliance) bench/soft_liver)
+SOFT_TABLES := $(addprefix $(B)/tests/,$(addprefix test_,springs_indent springs_poisson own_compliance))
 soft-tables: all $(SOFT_TABLES) ## the tables of docs/algorithms/springs.md and deform.md: docs/charts/soft-*.csv; TABLES="soft-told" those alone
 	$(PYTHON) -B tests/bench/soft_tables.py $(B) docs/charts $(TABLES)
 

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""soft_tables.py BUILD FOLDER [NAME ...]: what docs/algorithms/springs.md and deform.md say in tables, measured anew, as CSV in
-FOLDER (docs/charts); `make soft-tables` does that. A name makes that one alone. tests/docs/figures.py holds the pages to
+"""soft_tables.py BUILD FOLDER [NAME ...]: what docs/algorithms/springs.md and deform.md say in tables, measured anew, as CSV
+in FOLDER (docs/charts); `make soft-tables` does that. A name makes that one alone. tests/docs/figures.py holds the pages to
 them. None of these figures is a time: each machine and kernel finds the same.
 
     soft-indent    the indented block                        46 s of a processor
     soft-poisson   blocks of another Poisson's ratio         30 s
-    soft-asleep    what sleeps, and what is felt of it       15 s; the times of this program are left out
     soft-told      physics that tells its compliance         20 s
     soft-physics   run --physics by each integrator          90 s
 """
@@ -41,12 +40,6 @@ def poisson(build):
         rows[ratio].update(bulge=bulge, force=force)
     return ["poisson", "5", "2.5", "bulge", "force"], [(ratio, *(row[key] for key in ("5", "2.5", "bulge", "force")))
                                                        for ratio, row in rows.items()]
-
-
-def asleep(build):
-    rows = list(csv.DictReader(io.StringIO(said(build / "tests/bench/soft_liver", "1"))))
-    columns = ["subject", "phase", "awake", "static", "dynamic", "off", "jump"]
-    return columns, [[row[column] for column in columns] for row in rows]
 
 
 def told(build):
@@ -131,7 +124,7 @@ def physics(build):
     return ["body", "integrator", "rate", "force", "hum", "stiffness", "at_2_hz"], rows
 
 
-TABLES = {"soft-indent": indent, "soft-poisson": poisson, "soft-asleep": asleep, "soft-told": told, "soft-physics": physics}
+TABLES = {"soft-indent": indent, "soft-poisson": poisson, "soft-told": told, "soft-physics": physics}
 
 
 def main():

@@ -113,7 +113,7 @@ def block_rows():
     asleep, phases = {}, {"press": "press 5 mm in", "hold": "hold still for 1.5 s", "tremor": "tremble, 0.05 mm",
                           "2 Hz": "2 mm up and down at 2 Hz", "slide": "slide", "leave": "leave", "gone": "gone for 1.7 s",
                           "all": "all"}
-    for of in rows("soft-asleep.csv"):
+    for of in rows("soft-liver.csv"):
         if of["subject"] in ("symplectic", "implicit") and of["phase"] in phases:
             asleep.setdefault(f"| {phases[of['phase']]} |", []).extend((100 * float(of["awake"]), 100 * float(of["off"])))
     return {"| cells | small strains: from cubes as large": indent, "| nu | 5 mm | 2.5 mm |": poisson,
