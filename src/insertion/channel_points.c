@@ -189,24 +189,35 @@ static void open_walls(struct channel *channel, uint32_t kept)
         channel->opened = max_of(channel->opened, channel->walls[channel->open_count++].to);
 }
 
-int dpti_channel_lay_again(struct channel *channel, const struct surface *surface, const struct kernel *kernel,
-                           double from, struct work *work)
+/* Layers as they are found, by `way` along the line. One that the tip has gone into keeps its region. */
+static void take_layers(struct channel *channel, const struct channel *found, double way)
+{
+    const int are_same = found->layer_count == channel->layer_count;
+    for (uint32_t i = 0; i < found->layer_count; i++) {
+        const struct channel_stretch was = channel->layers[i];
+        channel->layers[i] = moved(found->layers[i], way);
+        if (are_same && was.from < channel->deepest)
+            channel->layers[i].region = was.region;
+    }
+    channel->layer_count = found->layer_count;
+}
+
+int dpti_channel_lay_again(struct channel *channel, const struct surface *surface, const uint8_t *regions,
+                           const struct kernel *kernel, double from, struct work *work)
 {
     struct channel line = *channel;
     struct channel_search search;
     line.mouth = along(channel->mouth, from, channel->axis);
     line.length = 2.0 * channel->length;
-    if (!dpti_channel_search_near(&search, &line, surface, NULL, kernel, work, &channel->near))
+    if (!dpti_channel_search_near(&search, &line, surface, regions, kernel, work, &channel->near))
         return 0;
     const struct channel *found = &search.channel;
     /* Walls may move by more than they are thick: as many as before are the same ones. The first was the way in. */
     const uint32_t kept = found->wall_count == channel->wall_count && channel->open_count ? channel->open_count : 1;
     for (uint32_t i = 0; i < found->wall_count; i++)
         channel->walls[i] = moved(found->walls[i], from);
-    for (uint32_t i = 0; i < found->layer_count; i++)
-        channel->layers[i] = moved(found->layers[i], from);
+    take_layers(channel, found, from);
     channel->wall_count = found->wall_count;
-    channel->layer_count = found->layer_count;
     channel->entry = found->entry + from;
     /* Its rear end stays outside. */
     channel->limit = found->limit + from;

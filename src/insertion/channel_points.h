@@ -49,11 +49,12 @@ double dpti_channel_mean_place(const struct channel *channel, const vec3 at[CHAN
 void dpti_channel_follow(struct channel *channel, const struct surface *surface);
 
 /*
- * Find walls and layers again along a line that was changed, from the place `from` on. What was open stays open. If the
- * work is spent before the end they stay as they were. Returns 0 then.
+ * Find walls and layers again along a line that was changed, from the place `from` on. What was open stays open, and
+ * layers that the tip has gone into keep their regions: a line that slides over their border is not of another law by
+ * that. regions: as in struct channel_search. If the work is spent before the end they stay as they were. Returns 0 then.
  */
-int dpti_channel_lay_again(struct channel *channel, const struct surface *surface, const struct kernel *kernel,
-                           double from, struct work *work);
+int dpti_channel_lay_again(struct channel *channel, const struct surface *surface, const uint8_t *regions,
+                           const struct kernel *kernel, double from, struct work *work);
 
 /* The next wall opens. */
 void dpti_channel_open_wall(struct channel *channel);

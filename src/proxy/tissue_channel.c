@@ -122,8 +122,8 @@ static void update_channel(struct proxy_tick *tick, struct inserted *in, double 
         in->place = last->place + dot(sub(tip, at), axis);
         channel->axis = frame_turn_back(&body->frame, axis);
         channel->mouth = frame_to_local(&body->frame, along(tip, -in->place, axis));
-        if (!dpti_channel_lay_again(channel, &body->surface, &world->kernel, in->place - channel->length,
-                                    &world->work)) {
+        if (!dpti_channel_lay_again(channel, &body->surface, body_regions_of(world, body)->of_triangle, &world->kernel,
+                                    in->place - channel->length, &world->work)) {
             channel->limit = min_of(channel->limit, in->place);
             tick->proxy->flags |= DPT_FORCE_FLAG_BEHIND;
             tick->tool->has_changed = 1;
@@ -213,6 +213,6 @@ int dpti_tissue_hole_find(struct proxy_tick *tick, struct channel *channel)
         return 0;
     channel->axis = axis;
     channel->mouth = is_in ? along(tip, -at_entry - dot(from, axis), axis) : along(entry, -at_entry, axis);
-    return dpti_channel_lay_again(channel, surface, &world->kernel, at_entry + dot(from, axis) - channel->length,
-                                  &world->work);
+    return dpti_channel_lay_again(channel, surface, body_regions_of(world, body)->of_triangle, &world->kernel,
+                                  at_entry + dot(from, axis) - channel->length, &world->work);
 }

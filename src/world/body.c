@@ -321,8 +321,7 @@ int dpti_pierce_law_is_valid(const struct pierce_law *law)
            is_between(law->shaft_viscosity, 1e6) && is_between(law->shaft_stiffness, 1e12);
 }
 
-/* A body that deforms has springs, or a compliance, and is pushed by loads. */
-static int can_be_pierced(const struct body *body)
+int dpti_body_can_be_pierced(const struct body *body)
 {
     const struct deform *deform = deform_of(body);
     return !deform || (deform->solve && deform->def.response == DPT_RESPONSE_LOAD);
@@ -343,7 +342,7 @@ dpt_result dpt_body_set_settings(dpt_world *world, dpt_body body, const dpt_body
         !dpti_friction_is_valid(settings.static_friction, settings.kinetic_friction) ||
         !dpti_stiffness_is_valid(settings.stiffness) || !dpti_pierce_law_is_valid(&pierce))
         return DPT_E_ARGUMENT;
-    if (pierce_law_is_any(&pierce) && (!world->channels || !can_be_pierced(found)))
+    if (pierce_law_is_any(&pierce) && (!world->channels || !dpti_body_can_be_pierced(found)))
         return DPT_E_UNSUPPORTED;
     found->pierce = pierce;
     found->side_limit = settings.side_limit;

@@ -32,7 +32,7 @@ dpt_result dpt_body_set_regions(dpt_world *world, dpt_body body, const uint8_t *
     struct body *found = world_find_body(world, body);
     if (!found)
         return DPT_E_HANDLE;
-    if (!world->channels || found->surface.motion)
+    if (!world->channels)
         return DPT_E_UNSUPPORTED;
     if (count > DPT_BODY_REGIONS_MAX)
         return DPT_E_LIMIT;
@@ -40,6 +40,9 @@ dpt_result dpt_body_set_regions(dpt_world *world, dpt_body body, const uint8_t *
         return DPT_E_ARGUMENT;
     for (uint32_t i = 0; i < count; i++)
         DPT_TRY(read_region(sized_item(regions, i), sized_of(regions), &read.law[i]));
+    for (uint32_t i = 0; i < count; i++)
+        if (pierce_law_is_any(&read.law[i]) && !dpti_body_can_be_pierced(found))
+            return DPT_E_UNSUPPORTED;
     for (uint32_t i = 0; count && i < triangles; i++)
         if (of_triangle[i] > count)
             return DPT_E_INDEX;

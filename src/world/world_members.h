@@ -14,6 +14,9 @@ uint32_t dpti_body_add(struct dpt_world *world, const struct surface *surface, c
 /* To tools it is as if the body had just been added where it is. */
 void dpti_body_begin_anew(struct dpt_world *world, struct body *body);
 
+/* Whether needles may pierce it at all: if it deforms it has springs, or a compliance, and is pushed by loads. */
+int dpti_body_can_be_pierced(const struct body *body);
+
 /* Whether a body or a region may have this law: all numbers in their ranges (dynpoint/body.h). */
 int dpti_pierce_law_is_valid(const struct pierce_law *law);
 
