@@ -191,3 +191,38 @@ int soft_needle_crosses(const double ends[6], const float *vertices, const uint3
     *share = dot3(e[1], q) / size;
     return a >= 0.0 && b >= 0.0 && a + b <= 1.0 && *share > 0.0 && *share < 1.0;
 }
+
+uint32_t soft_needle_stretches(const struct soft_needle *needle, double lengths[SOFT_NEEDLE_STRETCHES])
+{
+    enum { ROOM = 2 * SOFT_NEEDLE_STRETCHES };
+    double ends[6], local[6], crossings[ROOM];
+    uint32_t count = 0, stretches = 0, triangles, vertices;
+    const float *at = tissue_vertices(&needle->tissue, needle->body, &vertices);
+    const uint32_t *corners = tissue_corners(needle->body, &triangles);
+    tissue_tool_end(needle->tool, ends);
+    for (int k = 0; k < 6; k++)
+        local[k] = ends[k] - needle->body->place[k % 3];
+    for (uint32_t t = 0; t < triangles && count < ROOM; t++)
+        count += (uint32_t)soft_needle_crosses(local, at, corners + 3 * (size_t)t, &crossings[count]);
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = i + 1; k < count; k++)
+            if (crossings[k] < crossings[i]) {
+                const double nearer = crossings[k];
+                crossings[k] = crossings[i];
+                crossings[i] = nearer;
+            }
+    /* From the point on: an odd number where it is inside. */
+    for (uint32_t i = 0; i < count; i++)
+        if ((i + count) % 2)
+            lengths[stretches++] = NEEDLE_LENGTH * (crossings[i] - (i ? crossings[i - 1] : 0.0));
+    return stretches;
+}
+
+double soft_needle_inside(const struct soft_needle *needle)
+{
+    double lengths[SOFT_NEEDLE_STRETCHES], inside = 0.0;
+    const uint32_t count = soft_needle_stretches(needle, lengths);
+    for (uint32_t i = 0; i < count; i++)
+        inside += lengths[i];
+    return inside;
+}

@@ -55,6 +55,17 @@ dpt_channel soft_needle_channel(const struct soft_needle *needle);
 /* m: from the entry, where the only channel's triangle and weights have it, to the axis where the tool's spring ends. */
 double soft_needle_beside_entry(const struct soft_needle *needle);
 
+enum { SOFT_NEEDLE_STRETCHES = 32 };
+
+/*
+ * Of the tool's axis, where its spring ends, the stretches that lie within the body's surface, by all triangles: their
+ * lengths from the point on, m. Returns how many there are.
+ */
+uint32_t soft_needle_stretches(const struct soft_needle *needle, double lengths[SOFT_NEEDLE_STRETCHES]);
+
+/* m: of all of them. */
+double soft_needle_inside(const struct soft_needle *needle);
+
 /* Whether an axis, given by its ends, goes through a triangle, and at which share of it. */
 int soft_needle_crosses(const double ends[6], const float *vertices, const uint32_t *corners, double *share);
 

@@ -15,32 +15,6 @@ static double axial(const struct soft_needle *needle)
     return needle->tool->force.wrench.force[2];
 }
 
-/* m: how much of the tool's axis, where its spring ends, lies within the body's surface, by all triangles. */
-static double inside_by_all(const struct soft_needle *needle)
-{
-    double ends[6], crossings[64], inside = 0.0;
-    uint32_t count = 0, triangles, vertices;
-    const float *at = tissue_vertices(&needle->tissue, needle->body, &vertices);
-    const uint32_t *corners = tissue_corners(needle->body, &triangles);
-    tissue_tool_end(needle->tool, ends);
-    double local[6];
-    for (int k = 0; k < 6; k++)
-        local[k] = ends[k] - needle->body->place[k % 3];
-    for (uint32_t t = 0; t < triangles && count < 64; t++)
-        count += (uint32_t)soft_needle_crosses(local, at, corners + 3 * (size_t)t, &crossings[count]);
-    for (uint32_t i = 0; i < count; i++)
-        for (uint32_t k = i + 1; k < count; k++)
-            if (crossings[k] < crossings[i]) {
-                const double nearer = crossings[k];
-                crossings[k] = crossings[i];
-                crossings[i] = nearer;
-            }
-    /* From the point on: an odd number where it is inside. */
-    for (uint32_t i = 0; i < count; i++)
-        inside += (i + count) % 2 ? crossings[i] - (i ? crossings[i - 1] : 0.0) : 0.0;
-    return inside * NEEDLE_LENGTH;
-}
-
 /* m: how far any vertex went since the last call. */
 static double fastest_vertex(const struct soft_needle *needle)
 {
@@ -106,7 +80,7 @@ static void the_shaft_rubs_by_its_length(void)
             return;
         for (double depth = 0.012; depth < 0.045; depth += 0.008) {
             soft_needle_go(&needle, depth);
-            const double inside = inside_by_all(&needle), wanted = gel.cutting_force + gel.shaft_friction * inside;
+            const double inside = soft_needle_inside(&needle), wanted = gel.cutting_force + gel.shaft_friction * inside;
             const dpt_channel channel = soft_needle_channel(&needle);
             CHECK(inside > 0.003 && fabs(channel.inside - inside) < 1e-4, "%d: %g m inside, told %g", i, inside,
                   channel.inside);
