@@ -234,6 +234,23 @@ static void budgets_only_delay(void)
     }
 }
 
+/* Triangle by triangle another law, of three: a line that slides over the surface goes from one into the next. */
+static void set_patchwork(const struct soft_needle *needle)
+{
+    static uint8_t of[TISSUE_ROOM];
+    const dpt_body_region laws[2] = {
+        { .size = sizeof *laws, .puncture_force = 0.2, .shaft_friction = 60.0, .shaft_viscosity = 30.0 },
+        { .size = sizeof *laws, .puncture_force = 0.6, .cutting_force = 0.3, .shaft_friction = 2.0 }
+    };
+    dpt_mesh_info info = { .size = sizeof info };
+    dpt_mesh_get_info(needle->body->mesh.mesh, &info);
+    for (uint32_t i = 0; i < TISSUE_ROOM; i++)
+        of[i] = (uint8_t)(i % 3);
+    const dpt_result result = dpt_body_set_regions(needle->tissue.rig.world, needle->body->id, of,
+                                                   info.source_triangles, laws, 2);
+    CHECK(result == DPT_OK, "regions: %s", dpt_result_name(result));
+}
+
 /* A hand with noise and delay on a device of quanta: the observer's account. */
 static void nothing_gives_energy(void)
 {
@@ -253,6 +270,8 @@ static void nothing_gives_energy(void)
         gel.shaft_stiffness = kind & 2 ? 3e4 : 0.0;
         if (!soft_needle_open(&needle, &def, &gel, STIFFNESS))
             return;
+        if (kind % 3 == 0)
+            set_patchwork(&needle);
         needle.tissue.rig.dt = dt;
         dpt_passivity_def_init(&observed);
         observed.observe_only = 1;
