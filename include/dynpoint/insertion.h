@@ -64,17 +64,19 @@ typedef struct dpt_body_region {
 /*
  * Give regions of a body's surface laws of their own: skin that is thicker here, a capsule, a vessel's wall. A wall
  * ruptures by the law of the triangle that the tip touches first. Behind a triangle by which the needle goes into the
- * body it is cut, and rubs, by that triangle's law, as far as the needle comes out again. Holes in the body close, as by a
- * teleport of it. To be called between steps.
+ * body it is cut, and rubs, by that triangle's law, as far as the needle comes out again. In a body that gives way a
+ * layer keeps that law while the needle is in it. Holes in the body close, as by a teleport of it. To be called between
+ * steps.
  *   of_triangle   the region of each triangle, by source number: 0: none, the body's own settings; k: regions[k - 1]. It
  *                 is used where it is, and must stay unchanged as long as the body, or until other regions are set
  *   triangles     dpt_mesh_info.source_triangles
  *   regions       are copied. NULL if count is 0
  *   count         0: the body has none any more, and of_triangle is not used
  *
- * DPT_E_UNSUPPORTED: the world has no room for channels, or the body gives way. DPT_E_LIMIT: more than DPT_BODY_REGIONS_MAX.
- * DPT_E_INDEX: a triangle is of a region that is not there. DPT_E_ARGUMENT: another number of triangles, or a number out
- * of range. After an error the body has the regions that it had.
+ * DPT_E_UNSUPPORTED: the world has no room for channels; or a region can be pierced, of a body that cannot
+ * (dpt_body_settings.puncture_force). DPT_E_LIMIT: more than DPT_BODY_REGIONS_MAX. DPT_E_INDEX: a triangle is of a region
+ * that is not there. DPT_E_ARGUMENT: another number of triangles, or a number out of range. After an error the body has
+ * the regions that it had.
  */
 DPT_API dpt_result dpt_body_set_regions(dpt_world *world, dpt_body body, const uint8_t *of_triangle, uint32_t triangles,
                                         const dpt_body_region *regions, uint32_t count);

@@ -177,6 +177,13 @@ class Feel(unittest.TestCase):
                 with self.assertRaisesRegex(ValueError, "no 'size'; there are puncture_force, "):
                     body.set_regions([0] * 12, [{"size": 9}])
                 body.set_regions([], [])
+        with dp.World(max_channels=8) as world:  # a body that gives way
+            body, tool = world.add_deformable(box, compliance=1e-3), world.add_tool([0, 0.1, 0], [0, 0, 0], 0.0005)
+            tool.piercing, of_triangle = "b", np.ones(12, np.int64)
+            body.set_regions(of_triangle, [{"puncture_force": 0.2, "shaft_friction": 20.0}])
+            for height in np.linspace(0.01, -0.02, 600):
+                tool.tick([0.01, height, 0.003], 0.001)
+            self.assertEqual(tool.channels["ruptures"][0], 1)
 
     def test_fields_are_those_of_the_library_where_numpy_has_the_names(self):
         with dp.World() as world:

@@ -82,4 +82,48 @@ assert flagged and flagged[0] == opened, "the rupture is flagged where the wall 
 assert not any(int(row["force_flags"]) & 512 for row in second), "the hole is there already"
 END
 check "the terms: $(python3 terms.py 2>&1)" python3 terms.py
+
+# A soft ball of which one side has a law of its own: its two terms, off the recording.
+cat >soft.json <<'END'
+{
+  "bodies": [
+    {
+      "mesh": "ball.dpa",
+      "surface": {
+        "puncture_force": 5,
+        "shaft_friction": 90,
+        "regions": [
+          { "box": [-1, -1, 0, 1, 1, 1], "puncture_force": 0.4, "cutting_force": 0.2, "shaft_friction": 20 }
+        ]
+      },
+      "physics": { "integrator": "implicit" }
+    }
+  ],
+  "tool": { "length": 0.1, "radius": 0.0006, "piercing": "a" },
+  "device": { "url": "replay:into.csv", "origin": [0, 0, 0], "zoom": 1, "force_scale": 1 }
+}
+END
+cat >law.py <<'END'
+import csv
+
+rows = list(csv.DictReader(open("soft.csv")))
+force = lambda row: sum(float(row["asked_f" + axis]) ** 2 for axis in "xyz") ** 0.5
+deepest = max(float(row["inside"]) for row in rows)
+end = next(i for i, row in enumerate(rows) if float(row["inside"]) == deepest)
+points = [(float(row["inside"]), force(row)) for row in rows[:end] if 0.3 * deepest < float(row["inside"]) < 0.8 * deepest]
+n, sx, sy = len(points), sum(x for x, y in points), sum(y for x, y in points)
+slope = (n * sum(x * y for x, y in points) - sx * sy) / (n * sum(x * x for x, y in points) - sx * sx)
+cut = (sy - slope * sx) / n
+print("%.4g N/m and %.4g N" % (slope, cut))
+assert n > 300 and deepest > 0.02 and abs(slope - 20) < 0.4 and abs(cut - 0.2) < 0.01
+before = max(force(row) for row in rows if row["ruptures"] == "0")
+assert 0.4 <= before < 0.43, "it ruptures at %.4g N" % before
+END
+echo 'box -1 -1 -1 1 1 -0.05 fixed' >held.txt
+succeeds 'a ball' make sphere 512 -o ball.obj
+succeeds 'a soft one' compile ball.obj -o ball.dpa --springs volume --young 8000 --spacing 0.012 --regions held.txt
+succeeds 'its trace' make trace --insert --mesh ball.dpa -o into.csv
+succeeds 'a run in it' run soft.json --active --stiffness 500 --unstable --ticks 2000 --record soft.dpr
+succeeds 'its table' record csv soft.dpr -o soft.csv
+check "the region's law: $(python3 law.py 2>&1)" python3 law.py
 finish
