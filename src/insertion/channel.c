@@ -226,9 +226,13 @@ int dpti_channel_search_on(struct channel_search *search)
 
 /* ---- a line in tissue ---- */
 
-/* As a multiple of the radius, and of the length: how far from a line triangles are noted beyond the radius. */
+/*
+ * As a multiple of the radius, and of the length: how far from a line triangles are noted beyond the radius. As a multiple
+ * of that: at most, where it did not suffice.
+ */
 #define MARGIN        1.0
 #define MARGIN_LENGTH (1.0 / 512.0)
+#define MARGIN_MOST   16.0
 
 /* m: of rounding, beside a margin. */
 #define ROUNDING 1e-9
@@ -245,12 +249,12 @@ static double distance_from_line(const struct channel_near *near, vec3 at)
     return length(sub(from, scaled(near->way, max_of(0.0, min_of(s, 1.0)))));
 }
 
-/* Whether all that is near the line of a search was noted. The distance from a straight line is largest at an end. */
-static int was_near(const struct channel_search *search, const struct channel_near *near)
+/* Whether all that is near the line of a search is, or will be, noted. The distance from a straight line is largest at an end. */
+static int is_near_noted(const struct channel_search *search, const struct channel_near *near)
 {
     const struct channel *line = &search->channel;
     const struct surface *surface = search->surface;
-    if (!near->is_known || near->begun != surface->motion->begun)
+    if (!(near->margin > 0.0) || near->begun != surface->motion->begun)
         return 0;
     const double moved = ((double)travel_of(surface) - (double)near->travel) / surface->filter_scale;
     const double aside = max_of(distance_from_line(near, line->mouth),
@@ -258,25 +262,39 @@ static int was_near(const struct channel_search *search, const struct channel_ne
     return moved + aside + ROUNDING < near->margin;
 }
 
-/* Note what is near, beyond both ends of the line, too, as it goes on along itself. Returns 0 if the work was spent. */
-static int note_near(const struct channel_search *search, const struct kernel *kernel, struct work *work,
-                     struct channel_near *near)
+/* Begin to note, beyond both ends of the line, too, as it goes on along itself. A margin that did not suffice doubles. */
+static void begin_near(const struct channel_search *search, const struct kernel *kernel, struct work *work,
+                       struct channel_near *near)
 {
     const struct channel *line = &search->channel;
     const struct surface *surface = search->surface;
-    uint32_t triangle;
+    const double margin = max_of(MARGIN * line->radius, MARGIN_LENGTH * line->length);
+    const double last = near->is_known ? 0.0 : near->margin;
+    near->is_known = near->count = 0;
+    near->begun = surface->motion->begun;
+    near->travel = travel_of(surface);
+    near->margin = max_of(margin, min_of(2.0 * last, MARGIN_MOST * margin));
+    near->from = along(line->mouth, -line->length, line->axis);
+    near->way = scaled(line->axis, search->reach + 2.0 * line->length);
+    dpti_range_begin(&near->range, surface, kernel, near->from, near->way, line->radius + near->margin, work);
+}
+
+/* Go on. Returns 0 if the work was spent; without room for all, none are known. */
+static int note_near(struct channel_near *near)
+{
     int may_touch;
-    struct range range;
-    *near = (struct channel_near){ .begun = surface->motion->begun,
-                                   .travel = travel_of(surface),
-                                   .margin = max_of(MARGIN * line->radius, MARGIN_LENGTH * line->length),
-                                   .from = along(line->mouth, -line->length, line->axis),
-                                   .way = scaled(line->axis, search->reach + 2.0 * line->length) };
-    dpti_range_begin(&range, surface, kernel, near->from, near->way, line->radius + near->margin, work);
-    while (near->count < CHANNEL_NEAR_MAX && (triangle = dpti_range_next(&range, &may_touch)) != DPT_NONE)
+    while (!near->is_known) {
+        const uint32_t triangle = dpti_range_next(&near->range, &may_touch);
+        near->is_known = triangle == DPT_NONE && dpti_range_is_over(&near->range);
+        if (triangle == DPT_NONE)
+            return (int)near->is_known;
+        if (near->count == CHANNEL_NEAR_MAX) {
+            near->margin = 0.0;
+            return 1;
+        }
         near->triangle[near->count++] = triangle;
-    near->is_known = (uint32_t)dpti_range_is_over(&range);
-    return near->is_known || near->count == CHANNEL_NEAR_MAX;
+    }
+    return 1;
 }
 
 int dpti_channel_search_near(struct channel_search *search, const struct channel *channel,
@@ -284,7 +302,9 @@ int dpti_channel_search_near(struct channel_search *search, const struct channel
                              struct work *work, struct channel_near *near)
 {
     set_search(search, channel, surface, regions);
-    if (!was_near(search, near) && !note_near(search, kernel, work, near))
+    if (!is_near_noted(search, near))
+        begin_near(search, kernel, work, near);
+    if (!note_near(near))
         return 0;
     if (!near->is_known) {
         dpti_channel_search_begin(search, channel, surface, regions, kernel, work);

@@ -43,14 +43,18 @@ struct channel_point {
 
 enum { CHANNEL_NEAR_MAX = 64 };
 
-/* Triangles of a surface that deforms: all that were within a margin beyond the radius of a line, in their order. */
+/*
+ * The triangles of a surface that deforms that were within a margin beyond the radius of a line, in order: each where it was
+ * when the search came by, which may take several ticks. All zeros: none were looked for.
+ */
 struct channel_near {
-    uint32_t is_known;
+    uint32_t is_known; /* 1: all of them are noted */
     uint32_t count;
-    uint32_t begun; /* of the surface's motion, then, as is the next */
+    uint32_t begun; /* of the surface's motion, when the search began, as is the next */
     float travel;
-    double margin; /* m */
+    double margin; /* m; 0: it has not begun */
     vec3 from, way;
+    struct range range;                  /* of what is still to be looked at */
     uint32_t triangle[CHANNEL_NEAR_MAX]; /* places */
 };
 
@@ -76,6 +80,11 @@ struct channel {
     struct channel_point points[CHANNEL_POINTS_MAX];   /* by ascending place */
     struct channel_near near;                          /* its line in tissue, some ticks ago */
 };
+
+static inline int near_is_under_way(const struct channel_near *near)
+{
+    return near->margin > 0.0 && !near->is_known;
+}
 
 enum { CHANNEL_CROSSINGS_MAX = 2 * CHANNEL_LAYERS_MAX + 2 };
 
@@ -116,8 +125,9 @@ void dpti_channel_search_begin(struct channel_search *search, const struct chann
 int dpti_channel_search_on(struct channel_search *search);
 
 /*
- * The same at once, of a surface that deforms. What was near a line a while ago is all that is near another one, if that
- * and the vertices have not moved farther than the margin since: `near` is of such a line, or is made.
+ * The same of a surface that deforms, where it and the line are now. What was near a line a while ago is all that is near
+ * another one, if that and the vertices have not moved farther than the margin since: `near` is of such a line, or is made.
+ * Returns 0 if the work was spent before: with `near` as it is then, the next tick goes on.
  */
 int dpti_channel_search_near(struct channel_search *search, const struct channel *channel,
                              const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,

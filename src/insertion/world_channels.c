@@ -4,7 +4,7 @@
 #include "insertion/channel_points.h"
 #include "insertion/region_law.h"
 
-enum { BYTES_CHANNEL = 3176, BYTES_TOOL = 5072, BYTES_REGIONS = 736 };
+enum { BYTES_CHANNEL = 3496, BYTES_TOOL = 5392, BYTES_REGIONS = 736 };
 typedef char channel_fits[sizeof(struct channel) <= BYTES_CHANNEL ? 1 : -1];
 typedef char tool_fits[sizeof(struct piercing_tool) <= BYTES_TOOL ? 1 : -1];
 typedef char regions_fit[sizeof(struct body_regions) <= BYTES_REGIONS ? 1 : -1];
@@ -92,12 +92,18 @@ void dpti_insertion_drop(struct insertion *insertion, uint32_t number)
         memset(insertion, 0, sizeof *insertion);
 }
 
+static void end_search(struct channel_search *search)
+{
+    search->is_begun = 0;
+    search->channel.near.margin = 0.0;
+}
+
 void dpti_insertion_forget(struct dpt_world *world, const struct tool *tool)
 {
     if (!world->channels)
         return;
     memset(insertion_of(world, tool), 0, sizeof(struct insertion));
-    channel_search_of(world, tool)->is_begun = 0;
+    end_search(channel_search_of(world, tool));
 }
 
 /* A tool is let go where it is: there it is beside all bodies that it was not in. */
@@ -129,7 +135,7 @@ void dpti_channels_forget_body(struct dpt_world *world, uint32_t body_id)
             close_hole(world, i);
     for (uint32_t i = 0; world->channels && i < world->tool_slot_end; i++)
         if (world->piercing_tools[i].search.channel.body_id == body_id)
-            world->piercing_tools[i].search.is_begun = 0;
+            end_search(&world->piercing_tools[i].search);
 }
 
 void dpti_channels_forget_tool(struct dpt_world *world, const struct tool *tool)
@@ -139,5 +145,5 @@ void dpti_channels_forget_tool(struct dpt_world *world, const struct tool *tool)
         if (world->channels[i].body_id && world->channels[i].tool_id == id)
             close_hole(world, i);
     if (world->channels)
-        channel_search_of(world, tool)->is_begun = 0;
+        end_search(channel_search_of(world, tool));
 }

@@ -73,15 +73,23 @@ static int may_pierce(const struct proxy_tick *tick, uint32_t slot, vec3 tip)
            !dpti_is_inserted_in(world, tick->tool, body->id) && !is_at_hole_of(tick, body);
 }
 
-/* Begin to lay a channel from where a point in the world is, along the tool's axis. */
-static void begin_search(struct dpt_world *world, const struct tool *tool, const struct frame *frame,
-                         const struct body *body, vec3 mouth, double length, struct channel_search *search)
+/* A channel from where a point in the world is, along the tool's axis: nothing of it is known yet. */
+static struct channel channel_from(const struct dpt_world *world, const struct tool *tool, const struct frame *frame,
+                                   const struct body *body, vec3 mouth, double length)
 {
     struct channel channel = { .body_id = body->id };
     channel.mouth = frame_to_local(&body->frame, mouth);
     channel.axis = unit_of(frame_turn_back(&body->frame, frame_turn(frame, dpti_tip_direction(world, tool))));
     channel.radius = world->segments[tool->first_segment].radius;
     channel.length = length;
+    return channel;
+}
+
+/* Begin to lay it. */
+static void begin_search(struct dpt_world *world, const struct tool *tool, const struct frame *frame,
+                         const struct body *body, vec3 mouth, double length, struct channel_search *search)
+{
+    const struct channel channel = channel_from(world, tool, frame, body, mouth, length);
     dpti_channel_search_begin(search, &channel, &body->surface, body_regions_of(world, body)->of_triangle,
                               &world->kernel, &world->work);
 }
@@ -99,11 +107,31 @@ static int is_search_of(const struct proxy_tick *tick, const struct channel_sear
     return dpti_is_at_mouth(tick, channel, &line);
 }
 
-/* If a budget ended a search for walls, the next tick goes on with it. */
+/* Whether it is for a body that deforms, and an earlier tick's work did not suffice. */
+static int is_in_tissue(const struct channel_search *search, const struct body *body)
+{
+    return search->channel.body_id == body->id && near_is_under_way(&search->channel.near);
+}
+
+/* Of a body that deforms, the walls before the tip, where both are now. Returns 0 if the next tick goes on with it. */
+static int search_tissue(struct proxy_tick *tick, const struct body *body, vec3 tip, struct channel_search *search)
+{
+    struct dpt_world *world = tick->world;
+    const struct channel channel =
+        channel_from(world, tick->tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tick->tool));
+    struct channel_near near = { .margin = 0.0 };
+    if (search->channel.body_id == body->id)
+        near = search->channel.near;
+    const int is_found =
+        dpti_channel_search_near(search, &channel, &body->surface, body_regions_of(world, body)->of_triangle,
+                                 &world->kernel, &world->work, &near);
+    search->channel.near = near;
+    return is_found;
+}
+
+/* A budget ended a search for walls: the next tick goes on with it. */
 static void wait_for_work(struct proxy_tick *tick)
 {
-    if (!work_is_spent(&tick->world->work))
-        return;
     tick->proxy->flags |= DPT_FORCE_FLAG_BEHIND;
     tick->tool->has_changed = 1;
 }
@@ -115,7 +143,7 @@ static int ruptures(const struct pierce_law *law, double radius, double stiffnes
 
 /*
  * The tip pushes a body: if it touches it and its wall ruptures, a channel begins there. Returns 1 then, and where the
- * search for walls goes on in the next tick: no other body is looked at before. That of a body that deforms does not.
+ * search for walls goes on in the next tick: no other body is looked at before.
  */
 static int pierce(struct proxy_tick *tick, const struct body *body, double push)
 {
@@ -130,17 +158,18 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
     struct channel *channel = dpti_channel_free(world);
     struct channel_search *search = channel_search_of(world, tool);
     const vec3 tip = frame_to_world(&tick->at.frame, dpti_tip_point(world, tool));
-    const int is_older = is_search_of(tick, search, body);
+    const int is_older = is_search_of(tick, search, body), is_tissue = body->surface.motion != NULL;
+    const int is_under_way = is_older || is_in_tissue(search, body);
     uint32_t touched = DPT_NONE;
     /* Without work for that the search itself tells whether it touches. */
-    if (!is_older && find_touched(world, body, tip, radius + TOUCHING * tick->clearance, &touched) &&
+    if (!is_under_way && find_touched(world, body, tip, radius + TOUCHING * tick->clearance, &touched) &&
         (touched == DPT_NONE || !ruptures(triangle_law(world, body, touched), radius, stiffness, push)))
         return 0;
-    if (!is_older)
+    if (!is_older && !is_tissue)
         begin_search(world, tool, &tick->at.frame, body, tip, dpti_shaft_length(world, tool), search);
-    if (!dpti_channel_search_on(search)) {
+    if (!(is_tissue ? search_tissue(tick, body, tip, search) : dpti_channel_search_on(search))) {
         wait_for_work(tick);
-        return !body->surface.motion;
+        return 1;
     }
     const struct channel *found = &search->channel;
     if (!found->wall_count || !(found->walls[0].from > 0.0 && found->walls[0].from <= TOUCHING * tick->clearance) ||
@@ -172,6 +201,8 @@ static int pierce(struct proxy_tick *tick, const struct body *body, double push)
 static uint32_t first_slot(const struct proxy_tick *tick)
 {
     const struct channel_search *search = channel_search_of(tick->world, tick->tool);
+    if (near_is_under_way(&search->channel.near))
+        return handle_index(search->channel.body_id);
     const uint32_t slot = search->is_begun ? handle_index(search->channel.body_id) : 0;
     return is_search_of(tick, search, &tick->world->bodies[slot]) ? slot : 0;
 }
