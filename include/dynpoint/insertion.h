@@ -33,6 +33,8 @@
  *
  * A wall ruptures only after all walls behind it have been found (insertion.md says how much work this is). With a small
  * budget this takes several steps. Until then the wall holds, with DPT_FORCE_FLAG_BEHIND.
+ * In a body that gives way the walls are found again in each step. If a budget spreads that over several steps, the tip
+ * goes no deeper meanwhile.
  *
  * Threads: as for the world.
  */

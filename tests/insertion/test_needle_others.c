@@ -319,6 +319,9 @@ static int pierces_top(uint32_t budget)
     CHECK(dpt_body_set_settings(needle.rig.world, rig_add_body(&needle.rig, cone.mesh, NULL), &gel) == DPT_OK,
           "settings");
     rig_place(&needle.rig);
+    /* Where it is, is found while it rests: a search goes over all triangles, as all are as near. */
+    for (int i = 0; i < REST && needle.rig.force.reason != DPT_FORCE_FREE; i++)
+        needle_step(&needle);
     needle_go(&needle, 0.004, 0.02);
     for (int i = 0; i < REST && !needle_channels(&needle, NULL, 0); i++)
         needle_step(&needle);
@@ -331,7 +334,7 @@ static int pierces_top(uint32_t budget)
 /* Where all triangles are as near to the tip, to find which it touches takes more than a tick's work. */
 static void no_budget_holds_a_wall_for_good(void)
 {
-    for (uint32_t budget = 60; budget <= 400; budget += 20)
+    for (uint32_t budget = 4; budget <= 400; budget += budget < 60 ? 8 : 20)
         CHECK(pierces_top(budget), "%u units hold it", budget);
 }
 

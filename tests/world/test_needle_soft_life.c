@@ -234,6 +234,58 @@ static void budgets_only_delay(void)
     }
 }
 
+/* How a needle came into the ball that it is pressed against, and rests on. */
+struct pierced {
+    dpt_channel channel; /* id 0: it did not */
+    int waited;          /* ticks that are flagged as behind before it is in */
+    uint32_t most;       /* units of a tick */
+};
+
+static struct pierced pierce_within(uint32_t budget)
+{
+    const struct tissue_def def = soft_needle_liver(DPT_INTEGRATOR_SYMPLECTIC);
+    const dpt_body_settings gel = soft_needle_gel(15.0);
+    struct pierced pierced = { .channel.id = 0 };
+    struct soft_needle needle;
+    if (!soft_needle_open_within(&needle, &def, &gel, STIFFNESS, budget))
+        return pierced;
+    soft_needle_hold(&needle, 100);
+    for (int i = 0; i < 2000; i++) {
+        dpt_world_info info = { .size = sizeof info };
+        needle.depth += needle.depth < 0.0036 ? NEEDLE_SLOW : 0.0;
+        soft_needle_tick(&needle);
+        dpt_world_get_info(needle.tissue.rig.world, &info);
+        pierced.most = info.work > pierced.most ? info.work : pierced.most;
+        pierced.waited += !is_in(&needle) && (needle.tool->force.flags & DPT_FORCE_FLAG_BEHIND);
+    }
+    if (soft_needle_channels(&needle, NULL, 0))
+        pierced.channel = soft_needle_channel(&needle);
+    soft_needle_close(&needle);
+    return pierced;
+}
+
+/*
+ * Small budgets that hold the tip outside find the walls in the end, in some ticks, and again as the needle goes in. Others,
+ * as 13, let it come inside where it first touches, as any tool.
+ */
+static void small_budgets_pierce(void)
+{
+    enum { INDIVISIBLE = 4 };
+    static const uint32_t budgets[] = { 6, 10, 20 };
+    const struct pierced whole = pierce_within(0);
+    CHECK(whole.channel.id && !whole.waited, "it waits without a budget");
+    for (int i = 0; i < 3; i++) {
+        const uint32_t budget = budgets[i];
+        const struct pierced part = pierce_within(budget);
+        CHECK(part.channel.id && part.waited > 0 && part.most <= budget + INDIVISIBLE,
+              "budget %u: %d ticks waited, %u units", budget, part.waited, part.most);
+        CHECK(part.channel.ruptures == 1 && part.channel.layers == 1 &&
+                  fabs(part.channel.depth - whole.channel.depth) < 0.1 * whole.channel.depth,
+              "budget %u: %u ruptures, %g m in, not %g", budget, part.channel.ruptures, part.channel.depth,
+              whole.channel.depth);
+    }
+}
+
 /* Triangle by triangle another law, of three: a line that slides over the surface goes from one into the next. */
 static void set_patchwork(const struct soft_needle *needle)
 {
@@ -246,8 +298,8 @@ static void set_patchwork(const struct soft_needle *needle)
     dpt_mesh_get_info(needle->body->mesh.mesh, &info);
     for (uint32_t i = 0; i < TISSUE_ROOM; i++)
         of[i] = (uint8_t)(i % 3);
-    const dpt_result result = dpt_body_set_regions(needle->tissue.rig.world, needle->body->id, of,
-                                                   info.source_triangles, laws, 2);
+    const dpt_result result =
+        dpt_body_set_regions(needle->tissue.rig.world, needle->body->id, of, info.source_triangles, laws, 2);
     CHECK(result == DPT_OK, "regions: %s", dpt_result_name(result));
 }
 
@@ -415,6 +467,7 @@ int main(int argc, char **argv)
     TEST(what_goes_lets_it_go);
     TEST(bodies_that_move_take_it_along);
     TEST(budgets_only_delay);
+    TEST(small_budgets_pierce);
     TEST(nothing_gives_energy);
     TEST(it_can_be_put_in);
     TEST(others_physics_gets_the_loads);
