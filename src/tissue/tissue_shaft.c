@@ -433,7 +433,8 @@ void dpti_shafts_tell(struct tissue_solve *solve, struct dpt_world *world)
         const vec3 axis = frame_turn(&solve->tools[t].at.frame, dpti_tip_direction(world, tool));
         insertion->push = 0.0;
         for (uint32_t i = 0; i < solve->touches.count; i++)
-            if (!solve->touches.touch[i].shaft && solve->links[i].tool == t)
+            if (!solve->touches.touch[i].shaft && solve->links[i].tool == t &&
+                !dpti_is_inserted_in(world, tool, solve->touches.touch[i].body_id))
                 insertion->push -= dot(solve->push[i], axis);
     }
     for (uint32_t i = 0; i < solve->shaft_count; i++)

@@ -53,6 +53,28 @@ static double ahead_of(const struct tissue_solve *solve, const struct tissue_bod
     return solve->step * (double)(substeps + (is_euler ? 3 : 1)) / (double)(2 * substeps);
 }
 
+/* As a multiple of the radius: so near to the entry the shaft is held by the rim of the hole alone. */
+#define RIM 4.0
+
+/*
+ * m: of a tool that is in a body, from its point on: beyond that a part of the body which leans on the shaft touches it.
+ * HUGE_VAL: none does, as the shaft goes through one. 0: it is not in the body.
+ */
+static double left_out_of(const struct dpt_world *world, const struct tool *tool, const struct body *body)
+{
+    for (uint32_t i = 0; tool_is_inserted(world, tool) && i < insertion_of(world, tool)->count; i++) {
+        const struct inserted *in = &insertion_of(world, tool)->in[i];
+        const struct channel *channel = &world->channels[in->channel];
+        if (channel->body_id != body->id)
+            continue;
+        const double entry = channel->points[0].place, rim = RIM * channel->radius;
+        const int is_through = channel->layer_count && channel->layers[0].from < entry - rim;
+        return body->surface.motion && channel->point_count && !is_through ? max_of(in->place - entry, 0.0) + rim
+                                                                           : HUGE_VAL;
+    }
+    return 0.0;
+}
+
 /* The touches of a tool and the bodies of the solve, or the other bodies. Returns 0 if they are not all. */
 static int gather_from(struct tissue_solve *solve, struct touch_search *search, int is_solved)
 {
@@ -63,8 +85,10 @@ static int gather_from(struct tissue_solve *solve, struct touch_search *search, 
         const struct tissue_body *solved = solved_body(solve, search->body);
         search->springs = solved ? solved->step.springs : NULL;
         search->ahead = search->springs ? ahead_of(solve, solved) : 0.0;
-        if (body_is_there(search->body) && !is_solved == !solved &&
-            !(world->channels && dpti_is_inserted_in(world, search->tool, search->body->id)))
+        if (!body_is_there(search->body) || !is_solved != !solved)
+            continue;
+        search->left_out = left_out_of(world, search->tool, search->body);
+        if (search->left_out == 0.0 || (solved && search->left_out < HUGE_VAL))
             is_whole &= dpti_touches_gather(search, &solve->touches);
     }
     return is_whole;

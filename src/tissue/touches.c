@@ -318,6 +318,22 @@ static void gather_part(struct touching_part *part, const struct tip *tip)
             put_vertices(part, i);
 }
 
+/* A segment, or what is not left out of it. Returns 0 if nothing is. */
+static int set_segment(struct touching_part *part, const struct segment *segment)
+{
+    const struct touch_search *search = part->search;
+    const struct frame *body = &search->body->frame;
+    part->a = frame_to_local(body, frame_to_world(&search->at->frame, segment->a));
+    part->u = sub(frame_to_local(body, frame_to_world(&search->at->frame, segment->b)), part->a);
+    if (!(search->left_out > 0.0))
+        return 1;
+    const double share = search->left_out / length(part->u);
+    if (search->tool->piercing == DPT_PIERCING_A)
+        part->a = along(part->a, share, part->u);
+    part->u = scaled(part->u, 1.0 - share);
+    return share < 1.0;
+}
+
 int dpti_touches_gather(const struct touch_search *search, struct touches *touches)
 {
     const struct frame *body = &search->body->frame;
@@ -332,9 +348,8 @@ int dpti_touches_gather(const struct touch_search *search, struct touches *touch
             hull_place_set(&part.hull, of.tip->hull, &search->at->frame, body);
             part.a = part.hull.a;
             part.u = part.hull.u;
-        } else {
-            part.a = frame_to_local(body, frame_to_world(&search->at->frame, of.segment->a));
-            part.u = sub(frame_to_local(body, frame_to_world(&search->at->frame, of.segment->b)), part.a);
+        } else if (!set_segment(&part, of.segment)) {
+            continue;
         }
         gather_part(&part, of.tip);
     }

@@ -54,6 +54,7 @@ struct touch_search {
     const struct dpt_springs *springs; /* of the body; NULL: nobody steps them here */
     struct touch_vertices *vertices;   /* NULL: pairs alone */
     double reach;
+    double left_out; /* m: of the segment of a tool that is in the body, from its point on; 0: it is not in */
     double ahead;
     double least; /* m: within it all is looked at; what is beyond it by the tool's radius, only if a tick has time */
     struct work *work; /* what is looked at is counted */

@@ -226,3 +226,49 @@ double soft_needle_inside(const struct soft_needle *needle)
         inside += lengths[i];
     return inside;
 }
+
+static int is_cell(int (*is_solid)(int x, int y, int z), int x, int y, int z)
+{
+    const int is_within =
+        x >= 0 && x < SOFT_NEEDLE_CELLS && y >= 0 && y < SOFT_NEEDLE_CELLS && z >= 0 && z < SOFT_NEEDLE_CELLS;
+    return is_within && is_solid(x, y, z);
+}
+
+const struct tissue_arrays *soft_needle_cells(int (*is_solid)(int x, int y, int z))
+{
+    enum { CELLS = SOFT_NEEDLE_CELLS, SIDE = CELLS + 1, TRIANGLES_MOST = 12 * CELLS * CELLS * CELLS };
+    static const int step[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+    static double vertices[3 * SIDE * SIDE * SIDE];
+    static uint32_t corners[3 * TRIANGLES_MOST];
+    static struct tissue_arrays arrays = { .vertices = vertices,
+                                           .vertex_count = SIDE * SIDE * SIDE,
+                                           .corners = corners };
+    uint32_t count = 0;
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        vertices[3 * i] = SOFT_NEEDLE_CELL * (i % SIDE - CELLS / 2);
+        vertices[3 * i + 1] = SOFT_NEEDLE_CELL * (i / SIDE % SIDE - CELLS / 2);
+        vertices[3 * i + 2] = SOFT_NEEDLE_CELL * (i / SIDE / SIDE);
+    }
+    for (int i = 0; i < CELLS * CELLS * CELLS; i++)
+        for (int face = 0; face < 6; face++) {
+            const int at[3] = { i % CELLS, i / CELLS % CELLS, i / CELLS / CELLS };
+            const int d = face / 2, way = face % 2 ? 1 : -1, *n = step[d], *u = step[(d + 1) % 3],
+                      *v = step[(d + 2) % 3];
+            uint32_t quad[4];
+            if (!is_cell(is_solid, at[0], at[1], at[2]) ||
+                is_cell(is_solid, at[0] + way * n[0], at[1] + way * n[1], at[2] + way * n[2]))
+                continue;
+            for (int k = 0; k < 4; k++) {
+                const int a = way > 0 ? k == 1 || k == 2 : k >= 2, b = way > 0 ? k >= 2 : k == 1 || k == 2;
+                int c[3];
+                for (int m = 0; m < 3; m++)
+                    c[m] = at[m] + (way > 0 ? n[m] : 0) + a * u[m] + b * v[m];
+                quad[k] = (uint32_t)(c[0] + SIDE * (c[1] + SIDE * c[2]));
+            }
+            const uint32_t two[6] = { quad[0], quad[1], quad[2], quad[0], quad[2], quad[3] };
+            memcpy(corners + 6 * count, two, sizeof two);
+            count++;
+        }
+    arrays.triangles = 2 * count;
+    return &arrays;
+}

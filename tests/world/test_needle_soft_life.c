@@ -135,6 +135,52 @@ static void a_hole_behind_is_found_again(void)
     }
 }
 
+/* A floor with a wall on it. */
+static int is_angle(int x, int y, int z)
+{
+    (void)y;
+    return x < 3 || z < 3;
+}
+
+/*
+ * The needle is in the floor, and the hand pulls it against the wall beside it, of the same body: that leans on the shaft,
+ * which does not go through it, and is felt; and all is silent.
+ */
+static void a_part_that_leans_on_it_is_felt(void)
+{
+    for (int i = 0; i < TISSUE_INTEGRATORS; i++) {
+        struct tissue_def def = soft_needle_liver(tissue_integrators[i]);
+        const dpt_body_settings gel = soft_needle_gel(15.0);
+        struct soft_needle needle;
+        double lengths[SOFT_NEEDLE_STRETCHES], jump = 0.0, last = 0.0;
+        uint32_t most = 0;
+        def.arrays = soft_needle_cells(is_angle);
+        def.young = 1e4;
+        def.spacing = SOFT_NEEDLE_CELL;
+        def.floor = 0.005;
+        if (!soft_needle_open(&needle, &def, &gel, STIFFNESS))
+            return;
+        needle.tool->device.position[0] = -0.004;
+        needle.depth = 0.045;
+        soft_needle_aim(&needle);
+        tissue_rig_place(&needle.tissue);
+        soft_needle_go(&needle, 0.07);
+        CHECK(is_in(&needle) && soft_needle_channel(&needle).depth > 0.01, "%d: it is not in", i);
+        for (int k = 0; k < 2500; k++) {
+            needle.tool->device.position[0] -= k < 1000 ? 1.5e-5 : 0.0;
+            const double force = soft_needle_tick(&needle);
+            const uint32_t count = soft_needle_stretches(&needle, lengths);
+            most = count > most ? count : most;
+            jump = k > 2000 ? fmax(jump, fabs(force - last)) : 0.0;
+            last = force;
+        }
+        const double aside = needle.tool->force.wrench.force[0];
+        CHECK(most == 1 && is_in(&needle), "%d: the shaft goes through %u stretches", i, most);
+        CHECK(aside > 0.3 && jump < 1e-3 * aside, "%d: %g N aside, a jump of %g N", i, aside, jump);
+        soft_needle_close(&needle);
+    }
+}
+
 static void what_goes_lets_it_go(void)
 {
     for (int kind = 0; kind < 4; kind++) {
@@ -464,6 +510,7 @@ int main(int argc, char **argv)
     take_percent(argc, argv);
     TEST(layers_come_in_order);
     TEST(a_hole_behind_is_found_again);
+    TEST(a_part_that_leans_on_it_is_felt);
     TEST(what_goes_lets_it_go);
     TEST(bodies_that_move_take_it_along);
     TEST(budgets_only_delay);

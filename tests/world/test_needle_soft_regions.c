@@ -5,9 +5,8 @@
  */
 #include "world/soft_needle.h"
 
-enum { CELLS = 8, TRIANGLES_MOST = 12 * CELLS * CELLS * CELLS };
+enum { TRIANGLES_MOST = 12 * SOFT_NEEDLE_CELLS * SOFT_NEEDLE_CELLS * SOFT_NEEDLE_CELLS };
 
-#define CELL      0.01
 #define STIFFNESS 500.0
 
 static const dpt_body_region
@@ -57,48 +56,10 @@ static void set_regions(struct soft_needle *needle, const uint8_t *of, uint32_t 
 }
 
 /* Of a mesh that is open beside: two plates of 30 mm, 20 mm apart, which hang together on one side. */
-static int is_solid(int x, int y, int z)
+static int is_bracket(int x, int y, int z)
 {
-    const int is_within = x >= 0 && x < CELLS && y >= 0 && y < CELLS && z >= 0 && z < CELLS;
-    return is_within && (x < 2 || z < 3 || z >= 5);
-}
-
-static const struct tissue_arrays *bracket(void)
-{
-    enum { SIDE = CELLS + 1 };
-    static const int step[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
-    static double vertices[3 * SIDE * SIDE * SIDE];
-    static uint32_t corners[3 * TRIANGLES_MOST];
-    static struct tissue_arrays arrays = { .vertices = vertices,
-                                           .vertex_count = SIDE * SIDE * SIDE,
-                                           .corners = corners };
-    uint32_t count = 0;
-    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
-        vertices[3 * i] = CELL * (i % SIDE - CELLS / 2);
-        vertices[3 * i + 1] = CELL * (i / SIDE % SIDE - CELLS / 2);
-        vertices[3 * i + 2] = CELL * (i / SIDE / SIDE);
-    }
-    for (int i = 0; i < CELLS * CELLS * CELLS; i++)
-        for (int face = 0; face < 6; face++) {
-            const int at[3] = { i % CELLS, i / CELLS % CELLS, i / CELLS / CELLS };
-            const int d = face / 2, way = face % 2 ? 1 : -1, *n = step[d], *u = step[(d + 1) % 3],
-                      *v = step[(d + 2) % 3];
-            uint32_t quad[4];
-            if (!is_solid(at[0], at[1], at[2]) || is_solid(at[0] + way * n[0], at[1] + way * n[1], at[2] + way * n[2]))
-                continue;
-            for (int k = 0; k < 4; k++) {
-                const int a = way > 0 ? k == 1 || k == 2 : k >= 2, b = way > 0 ? k >= 2 : k == 1 || k == 2;
-                int c[3];
-                for (int m = 0; m < 3; m++)
-                    c[m] = at[m] + (way > 0 ? n[m] : 0) + a * u[m] + b * v[m];
-                quad[k] = (uint32_t)(c[0] + SIDE * (c[1] + SIDE * c[2]));
-            }
-            const uint32_t two[6] = { quad[0], quad[1], quad[2], quad[0], quad[2], quad[3] };
-            memcpy(corners + 6 * count, two, sizeof two);
-            count++;
-        }
-    arrays.triangles = 2 * count;
-    return &arrays;
+    (void)y;
+    return x < 2 || z < 3 || z >= 5;
 }
 
 /* Down to a depth, and there it stands. Returns the largest force on the way. */
@@ -143,9 +104,9 @@ static void each_wall_and_layer_has_its_law(void)
         static uint8_t of[TRIANGLES_MOST];
         struct soft_needle needle;
         double lengths[SOFT_NEEDLE_STRETCHES];
-        def.arrays = bracket();
+        def.arrays = soft_needle_cells(is_bracket);
         def.young = 5e4;
-        def.spacing = CELL;
+        def.spacing = SOFT_NEEDLE_CELL;
         def.floor = 0.005;
         if (!soft_needle_open(&needle, &def, &gel, STIFFNESS))
             return;
@@ -182,7 +143,9 @@ static void each_wall_and_layer_has_its_law(void)
 /* Physics of somebody else's that tells a compliance: the same plates, and the same law. */
 static void others_physics_has_regions(void)
 {
-    const struct tissue_def def = { .arrays = bracket(), .young = 5e4, .spacing = CELL, .floor = -1.0 };
+    const struct tissue_def def = {
+        .arrays = soft_needle_cells(is_bracket), .young = 5e4, .spacing = SOFT_NEEDLE_CELL, .floor = -1.0
+    };
     const dpt_body_settings gel = soft_needle_gel(70.0);
     static uint8_t of[TRIANGLES_MOST];
     dpt_deformable_def deform;
