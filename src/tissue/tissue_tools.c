@@ -67,10 +67,12 @@ static double left_out_of(const struct dpt_world *world, const struct tool *tool
         const struct channel *channel = &world->channels[in->channel];
         if (channel->body_id != body->id)
             continue;
-        const double entry = channel->points[0].place, rim = RIM * channel->radius;
+        if (!body->surface.motion || !channel->point_count)
+            return HUGE_VAL;
+        const vec3 first = dpti_channel_point_at(&body->surface, &channel->points[0]);
+        const double entry = dot(sub(first, channel->mouth), channel->axis), rim = RIM * channel->radius;
         const int is_through = channel->layer_count && channel->layers[0].from < entry - rim;
-        return body->surface.motion && channel->point_count && !is_through ? max_of(in->place - entry, 0.0) + rim
-                                                                           : HUGE_VAL;
+        return !is_through ? max_of(in->place - entry, 0.0) + rim : HUGE_VAL;
     }
     return 0.0;
 }
