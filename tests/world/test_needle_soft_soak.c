@@ -11,9 +11,10 @@
  *   - Of the soft body that it is in, the axis goes through as many walls as have ruptured at most.
  *   - Where a wall more is open than ever was in that channel, the tip is at it: none opens far ahead.
  *   - The force is finite.
+ *   - Parts of the body that lean on the shaft from outside do not go through it, but in one tick of 2,000: then the axis
+ *     goes through three walls or more.
  *
- * What counts as inside (DPT_FORCE_INSIDE) is not judged, nor is a body that leans on the shaft from outside, which is
- * not felt: then the axis goes through three walls or more.
+ * What counts as inside (DPT_FORCE_INSIDE) is not judged.
  */
 #include "world/soft_needle.h"
 
@@ -191,7 +192,7 @@ static void it_goes_through_what_it_has_pierced_alone(void)
         "    %lu ticks judged, %lu in channels, %lu with a rupture, %lu with a hole, %lu right through, %lu folded\n",
         seen.judged, seen.channels, seen.ruptures, seen.holes, seen.through, seen.folded);
     CHECK(seen.through || ticks_wanted < 5000, "it never goes right through");
-    CHECK(seen.folded < ticks_wanted / 20, "bodies lean on the shaft in %lu ticks", seen.folded);
+    CHECK(seen.folded <= ticks_wanted / 2000, "bodies lean on the shaft in %lu ticks", seen.folded);
     CHECK(seen.judged > ticks_wanted / 2, "most ticks are inside");
     CHECK(seen.channels > ticks_wanted / 10 && seen.ruptures, "it is hardly in");
 }
