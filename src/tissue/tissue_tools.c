@@ -81,6 +81,7 @@ static double left_out_of(const struct dpt_world *world, const struct tool *tool
 static int gather_from(struct tissue_solve *solve, struct touch_search *search, int is_solved)
 {
     struct dpt_world *world = search->world;
+    const double reach = search->reach, radius = world->segments[search->tool->first_segment].radius;
     int is_whole = 1;
     for (uint32_t i = 0; i < world->body_slot_end; i++) {
         search->body = &world->bodies[i];
@@ -90,9 +91,12 @@ static int gather_from(struct tissue_solve *solve, struct touch_search *search, 
         if (!body_is_there(search->body) || !is_solved != !solved)
             continue;
         search->left_out = left_out_of(world, search->tool, search->body);
+        /* Not the rim. */
+        search->reach = search->left_out > 0.0 ? min_of(reach, 0.5 * RIM * radius) : reach;
         if (search->left_out == 0.0 || (solved && search->left_out < HUGE_VAL))
             is_whole &= dpti_touches_gather(search, &solve->touches);
     }
+    search->reach = reach;
     return is_whole;
 }
 
