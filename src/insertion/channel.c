@@ -227,8 +227,8 @@ int dpti_channel_search_on(struct channel_search *search)
 /* ---- a line in tissue ---- */
 
 /*
- * As a multiple of the radius, and of the length: how far from a line triangles are noted beyond the radius. As a multiple
- * of that: at most, where it did not suffice.
+ * As a multiple of the radius, and of the length: how far from a line triangles are noted beyond the radius. And as a
+ * multiple of that, at most, where it did not suffice.
  */
 #define MARGIN        1.0
 #define MARGIN_LENGTH (1.0 / 512.0)
@@ -249,7 +249,7 @@ static double distance_from_line(const struct channel_near *near, vec3 at)
     return length(sub(from, scaled(near->way, max_of(0.0, min_of(s, 1.0)))));
 }
 
-/* Whether all that is near the line of a search is, or will be, noted. The distance from a straight line is largest at an end. */
+/* Whether all near the line of a search is, or will be, noted. The distance from a straight line is largest at an end. */
 static int is_near_noted(const struct channel_search *search, const struct channel_near *near)
 {
     const struct channel *line = &search->channel;

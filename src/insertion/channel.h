@@ -44,8 +44,8 @@ struct channel_point {
 enum { CHANNEL_NEAR_MAX = 64 };
 
 /*
- * The triangles of a surface that deforms that were within a margin beyond the radius of a line, in order: each where it was
- * when the search came by, which may take several ticks. All zeros: none were looked for.
+ * The triangles of a surface that deforms that were within a margin beyond the radius of a line, in order: each where it
+ * was when the search came by, which may take several ticks. All zeros: none were looked for.
  */
 struct channel_near {
     uint32_t is_known; /* 1: all of them are noted */
@@ -126,8 +126,8 @@ int dpti_channel_search_on(struct channel_search *search);
 
 /*
  * The same of a surface that deforms, where it and the line are now. What was near a line a while ago is all that is near
- * another one, if that and the vertices have not moved farther than the margin since: `near` is of such a line, or is made.
- * Returns 0 if the work was spent before: with `near` as it is then, the next tick goes on.
+ * another one, if that and the vertices have not moved farther than the margin since: `near` is of such a line, or is
+ * made. Returns 0 if the work was spent before: with `near` as it is then, the next tick goes on.
  */
 int dpti_channel_search_near(struct channel_search *search, const struct channel *channel,
                              const struct surface *surface, const uint8_t *regions, const struct kernel *kernel,

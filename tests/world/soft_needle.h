@@ -58,7 +58,7 @@ double soft_needle_beside_entry(const struct soft_needle *needle);
 enum { SOFT_NEEDLE_CELLS = 8 };
 #define SOFT_NEEDLE_CELL 0.01
 
-/* The surface of those of 8 x 8 x 8 cells that are solid; x and y about the origin, z from 0 on. It is valid till the next. */
+/* The surface of those of 8 x 8 x 8 cells that are solid; x and y about the origin, z from 0 on. Valid till the next. */
 const struct tissue_arrays *soft_needle_cells(int (*is_solid)(int x, int y, int z));
 
 enum { SOFT_NEEDLE_STRETCHES = 32 };

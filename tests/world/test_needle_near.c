@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * A search for walls along a line that goes on from tick to tick while the surface and the line move: what it finds at its
- * end is bit for bit what one finds that has all the work it likes.
+ * A search for walls along a line that goes on from tick to tick while the surface and the line move: what it finds at
+ * its end is bit for bit what one finds that has all the work it likes.
  *
  *     test_needle_near [RUNS = 12 [SEED = 1]]
  */
