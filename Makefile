@@ -126,7 +126,7 @@ URDF_HERE = $(if $(filter fuzz fuzz-fast,$(CONFIG)),no,$(shell echo '$(HASH)incl
   $(CXX) $$(pkg-config --cflags urdfdom console_bridge expat 2>&1) -E -x c++ - >/dev/null 2>&1 && echo yes || echo no))
 URDF := $(or $(URDF),$(URDF_HERE))
 ifeq ($(URDF),yes)
-URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc))
+URDF_PARTS := $(patsubst %.cc,$(B)/%.o,$(wildcard src/urdf/*.cc)) $(B)/src/text/open_file.o
 URDF_CFLAGS := $(shell pkg-config --cflags urdfdom console_bridge expat)
 URDF_LIBS := -Wl,--as-needed $(shell pkg-config --libs urdfdom console_bridge expat) -lstdc++
 endif

@@ -29,7 +29,7 @@ abi|12 MB|abidiff: the types of all public functions are what they were|abigail-
 python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
 newton|9 MB, and 175 more from PyPI|Newton and Warp, whose soft bodies our contact is tried with|python3 python3-venv
 lerobot|9 MB, and some 450 from PyPI|LeRobot, which opens what is exported for it; with the Python for AArch64 of wheels|python3 python3-venv
-wheels|272 MB, 37 more of another machine and of sources, 26 from Maven, and some 350 from PyPI|the wheels of a release of the package of Python, also for AArch64, musl, Windows and macOS|python3 python3-venv libjansson-dev libccd-dev qemu-user-static binutils musl-tools wine64 wine maven
+wheels|272 MB, 54 more of another machine and of sources, 26 from Maven, and some 350 from PyPI|the wheels of a release of the package of Python, also for AArch64, musl, Windows and macOS|python3 python3-venv libjansson-dev libccd-dev qemu-user-static binutils musl-tools patch wine64 wine maven
 platforms|174 MB, 8 of them sources, and 101 more from PyPI|other systems: musl; Windows by mingw-w64, zig and wine; macOS by zig, not run|musl-tools gcc-mingw-w64-x86-64-posix wine64 wine cmake dpkg-dev python3 python3-venv
 docs|89 MB, 60 more from PyPI and 40 from npm|the site of the pages, with the APIs of all languages: make docs|doxygen python3 python3-dev python3-venv python3-pycparser nodejs npm
 wasm|75 MB, and TypeScript from npm|the core for browsers and node: WebAssembly, and its package of npm|clang lld wasi-libc libclang-rt-14-dev-wasm32 nodejs npm

@@ -45,7 +45,7 @@ function set_rules(folders, count, i)
     # Around the core: whose internal headers and symbols are used too, and whose public symbols only; "core" is all of it.
     inner["text"] = "";                    public["text"] = "base"
     inner["compile"] = "text";             public["compile"] = "core"
-    inner["urdf"] = "";                    public["urdf"] = "core compile"
+    inner["urdf"] = "text";                public["urdf"] = "core compile"
     inner["convex"] = "";                  public["convex"] = "core"
     inner["bindings"] = "tools scene drivers"; public["bindings"] = "core compile urdf convex host"
     inner["drivers"] = "text";             public["drivers"] = "core"

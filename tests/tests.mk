@@ -318,6 +318,10 @@ measured: all $(B)/tests/wasm/native_answers $(BENCH_PROGRAMS)
 	@$(PYTHON) -B tests/bench/viewer.py $(B) | tee $(B)/bench/viewer.csv
 	@sh tests/bench/wasm.sh $(B)
 
+.PHONY: bench-batch
+bench-batch: ## 1,000 environments beside single worlds and MuJoCo (make deps python soft): the table of docs/batch.md, some 6 minutes
+	@sh tests/bench/python_batch.sh $(B)
+
 bench: measured ## time against peers, those whose packages are here, and whether plans hold
 	@sh tests/bench/plans.sh $(B)
 .PHONY: measured

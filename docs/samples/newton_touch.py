@@ -4,6 +4,7 @@
     pip install dynpoint newton
     python3 newton_touch.py              # the first time Warp compiles Newton's kernels: a minute
     python3 newton_touch.py 0            # a tool of 4,000 N/m shakes where the block does not tell how it gives way
+    python3 newton_touch.py 0 1000       # a softer one does not
 """
 import sys
 
@@ -34,11 +35,12 @@ state, after = model.state(), model.state()
 # A step of this solver leaves most of a push to the steps behind it, so a single push goes too far: a small share is
 # told.
 SHARE = float(sys.argv[1]) if len(sys.argv) > 1 else 0.03
+STIFFNESS = float(sys.argv[2]) if len(sys.argv) > 2 else 4000.0
 top = np.flatnonzero(model.particle_q.numpy()[:, 2] > 0.069)
 compliance = SHARE * measure_compliance(model, solver, state, STEP, top[::7])
 touch = Touch(model, state, segments=dp.make_segments([0, 0, 0], [0, 0, 0.1], 0.008), dt=STEP, ticks=TICKS,
               compliance=compliance, load_radius=0.02, max_points=64, static_friction=0.3, kinetic_friction=0.3,
-              tool_settings={"stiffness": 4000})
+              tool_settings={"stiffness": STIFFNESS})
 felt, left = [], 0.0
 for step in range(240):
     time = step * STEP

@@ -11,6 +11,13 @@
 /* As fopen, which errno is of. Streams that are opened by "rb", "wb" and "ab" carry bytes as they are. */
 FILE *open_file(const char *path, const char *mode);
 
+/* What ends a folder's name in a path. */
+#ifdef _WIN32
+#define PATH_SEPARATORS "/\\"
+#else
+#define PATH_SEPARATORS "/"
+#endif
+
 #ifdef _WIN32
 #include <wchar.h>
 /* The name as Windows wants it, whole and long where it must be; free it. NULL, and errno, if it is none. */

@@ -9,6 +9,11 @@
 #include "base/sized.h"
 #include "urdf/urdf_tips.h"
 
+extern "C"
+{
+#include "text/open_file.h"
+}
+
 namespace
 {
 
@@ -35,7 +40,7 @@ struct File {
 
 std::string read_all(const char *path)
 {
-    File in = { std::fopen(path, "rb") };
+    File in = { open_file(path, "rb") };
     if (!in.file)
         refuse(DPT_E_OPEN, 0, "it cannot be opened: %s", std::strerror(errno));
     std::string bytes;

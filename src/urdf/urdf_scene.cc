@@ -6,6 +6,11 @@
 #include <cstring>
 #include <utility>
 
+extern "C"
+{
+#include "text/open_file.h"
+}
+
 namespace
 {
 
@@ -16,24 +21,24 @@ bool begins_with(const std::string &text, const char *prefix)
 
 bool file_exists(const std::string &path)
 {
-    std::FILE *file = std::fopen(path.c_str(), "rb");
+    std::FILE *file = open_file(path.c_str(), "rb");
     if (file)
         std::fclose(file);
     return file;
 }
 
-/* The folder of a path: it ends in '/', or is empty. */
+/* The folder of a path, with what ends its name; or empty. */
 std::string folder_of(const std::string &path)
 {
-    return path.substr(0, path.rfind('/') + 1);
+    return path.substr(0, path.find_last_of(PATH_SEPARATORS) + 1);
 }
 
 /* The last name of a path of a folder. */
 std::string name_of(std::string folder)
 {
-    while (!folder.empty() && folder.back() == '/')
+    while (!folder.empty() && std::strchr(PATH_SEPARATORS, folder.back()))
         folder.pop_back();
-    return folder.substr(folder.rfind('/') + 1);
+    return folder.substr(folder.find_last_of(PATH_SEPARATORS) + 1);
 }
 
 int hex_digit(char c)
@@ -94,7 +99,7 @@ std::string path_in_package(const std::string &rest, const std::string &file, co
     }
     /* "./" comes first, so that "../" can follow a name without a folder. */
     std::string folder = folder_of(file);
-    if (!begins_with(folder, "/"))
+    if (!begins_with(folder, "/") && !drive_length(folder.c_str()))
         folder = "./" + folder;
     for (size_t up = 0; up < 32; up++) {
         if (file_exists(folder + rest))

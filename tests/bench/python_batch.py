@@ -2,14 +2,16 @@
 """Many environments with a soft block and a tool each: dynpoint.batch.World beside single worlds, and beside MuJoCo's own
 contact on the same scene. PYTHONPATH names the package, MuJoCo is of build/venv-python or build/venv-soft:
 
-    python_batch.py [ENVIRONMENTS [TICKS]]
+    python_batch.py [ENVIRONMENTS [TICKS [ROUNDS]]]          or make bench-batch, which is 1000 20 3
 
 The block is MuJoCo's flex of 6 vertices a side, 70 mm; here it is masses and springs, of the same surface. The tool, a
 capsule of 100 mm, comes down onto it, and slides. Errors are those of the gap against brute force, each at its own
 positions. Ticks a second are those of one environment times environments; physics, contact and what
-is read are within.
+is read are within. The runs take turns in each round, and the fastest of each counts; how many processors other programs
+took meanwhile is told: figures of a machine where that is not near 0 say little.
 """
 import gc
+import os
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -21,15 +23,23 @@ import dynpoint as dp
 import dynpoint.batch
 from peer_mujoco import HALF, RADIUS, gap_of, load
 
-SIDE, DT, REPEATS = 6, 0.001, 1
+SIDE, DT = 6, 0.001
 LYING = (0.5 ** 0.5, 0.0, 0.5 ** 0.5, 0.0)  # the axis along x
 
 
+def busy():
+    """Seconds that all processors have worked, for whomever."""
+    with open("/proc/stat", encoding="ascii") as stat:
+        user, nice, system, _, _, interrupts, soft, stolen = map(int, stat.readline().split()[1:9])
+    return (user + nice + system + interrupts + soft + stolen) / os.sysconf("SC_CLK_TCK")
+
+
 class Watch:
-    """Time that passed, and time that all processors of this program took, while it ran."""
+    """Time that passed, and time that processors took for this program and for all, while it ran."""
 
     def __init__(self):
         self.wall = self.processors = 0.0
+        self.first = time.perf_counter(), time.process_time(), busy()
 
     def __enter__(self):
         self.began = time.perf_counter(), time.process_time()
@@ -39,8 +49,9 @@ class Watch:
         self.processors += time.process_time() - self.began[1]
 
     def rates(self, ticks):
-        """Ticks a second, and us of processors a tick."""
-        return ticks / self.wall, 1e6 * self.processors / ticks
+        """Ticks a second, us of processors a tick, and how many processors others took since the watch was made."""
+        wall, own, all_of_it = (now - then for now, then in zip((time.perf_counter(), time.process_time(), busy()), self.first))
+        return ticks / self.wall, 1e6 * self.processors / ticks, max(0.0, all_of_it - own) / wall
 
 
 def place(i, tick, top):
@@ -188,6 +199,7 @@ def tell(who, errors):
 def main():
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     ticks = int(sys.argv[2]) if len(sys.argv) > 2 else 60
+    rounds = int(sys.argv[3]) if len(sys.argv) > 3 else 1
     model = load(SIDE)
     model.opt.timestep = DT
     model.geom_margin[:] = 0.002
@@ -211,17 +223,18 @@ def main():
     for threads in (1, 2):
         runs[f"its contact alone, {threads} thread"] = lambda n=threads: run_mujoco_contact(model, start, top, few, ticks,
                                                                                             n)
-    alone = None
-    for name, run in runs.items():
-        tries = []
-        for _ in range(REPEATS):
-            tries.append(run())
+    tries = {name: [] for name in runs}
+    for _ in range(rounds):
+        for name, run in runs.items():
+            tries[name].append(run())
             gc.collect()
-        rate, cost, wrench = max(one[0] for one in tries), min(one[1] for one in tries), tries[0][2]
-        alone = alone or (rate, wrench)
-        same = "" if wrench is None else ", the same bits" if wrench.tobytes() == alone[1].tobytes() else ", OTHER BITS"
-        print(f"  {name:28} {rate:8.0f} ticks a second, {rate / alone[0]:5.2f} of one by one, {cost:7.1f} us of processors "
-              f"a tick{same}", flush=True)
+    alone, bits = max(one[0] for one in tries["one by one"]), tries["one by one"][0][3].tobytes()
+    print("| | ticks a second | of one by one | us of processors a tick | processors that others took |\n|---|---|---|---|---|")
+    for name, some in tries.items():
+        rate, _, others, wrench = max(some, key=lambda one: one[0])
+        cost = min(one[1] for one in some)
+        same = "" if wrench is None else "; the same bits" if wrench.tobytes() == bits else "; OTHER BITS"
+        print(f"| {name}{same} | {rate:,.0f} | {rate / alone:.2f} | {cost:,.1f} | {others:.2f} |", flush=True)
     errors, rest = judge_ours(mesh, top, 300)
     tell("here", errors)
     tell("MuJoCo", judge_mujoco(model, start, top, 300))

@@ -23,6 +23,19 @@ import dynpoint.bulk
 from verdicts import main
 
 VERTICES = np.array([[-1, 0, -1], [1, 0, -1], [0, 0, 1.0]])
+ROBOT = """<robot name='a'>
+  <link name='desk'><collision><geometry><mesh filename='\u809d.obj'/></geometry></collision></link>
+  <link name='tool'><collision><geometry><cylinder radius='0.004' length='0.1'/></geometry></collision></link>
+  <joint name='turn' type='revolute'><parent link='desk'/><child link='tool'/><axis xyz='0 0 1'/>
+    <limit lower='-1' upper='1' effort='2' velocity='3'/></joint>
+</robot>"""
+# Holds a list until it is killed.
+HOLD = """import sys
+import dynpoint.bulk
+with dynpoint.bulk.locked(sys.argv[1]):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
 OBJ = "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nf 1 3 2\n"
 
 
@@ -52,6 +65,19 @@ class Elsewhere(unittest.TestCase):
             scene.run()
         self.assertEqual(len(dp.Recording(self.room / "r.dpr").records), 50)
 
+    @unittest.skipUnless(os.environ.get("URDF"), "a package without urdfdom")
+    def test_a_robot_is_read_with_what_lies_beside_it(self):
+        (self.room / "\u809d.obj").write_text(OBJ, encoding="utf-8")
+        (self.room / "\u809d.urdf").write_text(ROBOT, encoding="utf-8")
+        arm = dp.Arm.load(self.room / "\u809d.urdf")
+        self.assertEqual((int(arm.info.joints), arm.joints[0].name, float(arm.joints[0].lower)), (1, b"turn", -1.0))
+        self.assertEqual([(name, sorted(mesh.vertices.tolist())) for name, _, mesh in arm.bodies],
+                         [("desk", sorted(VERTICES.tolist()))])
+        (self.room / "broken.urdf").write_text("<robot name='a'><link name='b'/></robot>", encoding="utf-8")
+        with self.assertRaisesRegex(dp.Error, "broken.urdf"):
+            dp.Arm.load(self.room / "broken.urdf")
+
+    @unittest.skipIf(os.environ.get("URDF"), "a package with urdfdom")
     def test_what_the_package_lacks_is_told(self):
         (self.room / "a.urdf").write_text("<robot name='a'><link name='b'/></robot>", encoding="utf-8")
         with self.assertRaisesRegex(dp.Error, "it needs urdfdom"):
@@ -78,9 +104,38 @@ class Elsewhere(unittest.TestCase):
         self.assertEqual([row.verdict for row in done.rows], ["DPT_OK"] * 3 + ["DPT_E_INDEX"] + ["DPT_OK"] * 2)
         self.assertEqual((self.room / "5.dpa").read_bytes(), bytes(dp.Mesh.load(self.room / "5.obj", unit="m")))
 
+    def test_one_call_at_a_time_works_on_a_list(self):
+        (self.room / "a.obj").write_text(OBJ, encoding="utf-8")
+        listed, table = self.room / "\u809d.txt", self.room / "table.tsv"
+        listed.write_text(f"{self.room / 'a.obj'}\t{self.room / 'a.dpa'}\n", encoding="utf-8")
+        words = ("compile", "--list", listed, "-o", self.room / "other.tsv", "--unit", "m")
+        with subprocess.Popen([sys.executable, "-c", HOLD, listed], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
+            try:
+                self.assertEqual(holder.stdout.readline().strip(), b"held")
+                with self.assertRaisesRegex(BlockingIOError, "another call works on this list"):
+                    dp.bulk.run("compile", listed, table, workers=1, unit="m")
+                ran = self.run_program(*words)
+                self.assertEqual(ran.returncode, 2)
+                self.assertIn(b"another dynpoint works on", ran.stderr)
+            finally:
+                holder.kill()
+        # It leaves no lock; and the program takes the same one as this package.
+        done = dp.bulk.run("compile", listed, table, workers=1, unit="m")
+        self.assertEqual([row.verdict for row in done.rows], ["DPT_OK"])
+        with dp.bulk.locked(listed):
+            self.assertEqual(self.run_program(*words).returncode, 2)
+            self.assertEqual(listed.read_text(encoding="utf-8").count("a.obj"), 1)
+        self.assertEqual(self.run_program(*words).returncode, 0)
+
     def test_ctrl_c_ends_a_loop_and_zero_force_goes_out(self):
-        scene = dp.Scene("liver", "sim:?hand=press&live=1", record=self.room / "r.dpr")
-        begun = threading.Event()
+        begun, ticks = threading.Event(), []
+
+        def felt(*_):
+            ticks.append(1)
+            if len(ticks) == 20:
+                begun.set()
+
+        scene = dp.Scene("liver", "sim:?hand=press&live=1", record=self.room / "r.dpr", felt=felt)
 
         def interrupt():
             begun.wait(60)
@@ -92,14 +147,13 @@ class Elsewhere(unittest.TestCase):
         try:
             with self.assertRaises(KeyboardInterrupt):
                 with scene:
-                    threading.Timer(0.2, begun.set).start()
                     scene.run()
                     time.sleep(1)
         finally:
             begun.set()
             killer.join()
             signal.signal(signal.SIGINT, before)
-        self.assertGreater(len(dp.Recording(self.room / "r.dpr").records), 0)
+        self.assertGreaterEqual(len(dp.Recording(self.room / "r.dpr").records), 20)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a wheel for another system says and holds: look.py WHEEL.whl WHEEL_FOR. The machine, the system and its oldest
+"""What a wheel for another system says and holds: look.py WHEEL.whl WHEEL_FOR [urdf]. The machine, the system and its oldest
 version, the libraries that the extension and the program ask for, and that the extension shows its entrance alone, are
 read out of the binaries themselves; abi3audit reads the symbols of Python's. A line for each check, as verdicts.py.
 zig's linker for macOS leaves the library's public names to be seen as well: there they do not meet others' names."""
@@ -21,6 +21,7 @@ import macho  # noqa: E402
 ENTRANCE = {"PyInit__dynpoint"}
 ABI = Path(__file__).resolve().parent.parent / "abi"
 PUBLIC = {name for path in ABI.glob("*.symbols") for name in path.read_text(encoding="utf-8").split()}
+URDF = ("console-bridge", "expat", "libcxx", "tinyxml", "urdfdom", "urdfdom-headers")
 WINDOWS = r"(kernel32|advapi32|bcrypt|ws2_32|shell32|api-ms-win-crt-[a-z0-9-]+)\.dll"
 
 
@@ -60,7 +61,7 @@ SYSTEMS = {
 }
 
 
-def main(path, made_for):
+def main(path, made_for, urdf=""):
     machine, system = made_for.split("-")
     tag, extension, program, look, kind, libraries = SYSTEMS[system]
     tag = tag.format("arm64" if (system, machine) == ("macos", "aarch64") else machine)
@@ -78,7 +79,8 @@ def main(path, made_for):
         verdict(tags == [f"cp311-abi3-{tag}"] and Path(path).name.endswith(f"-cp311-abi3-{tag}.whl"), f"its tag is {tags}")
         binaries = sorted(name for name in names if re.search(r"\.(so|pyd|dll|exe|dylib)$|/program$", name))
         verdict(binaries == sorted(f"dynpoint/{name}" for name in (extension, program)), f"its binaries: {binaries}")
-        verdict(any(name.endswith("LICENSE.jansson") for name in names), "the terms of jansson are in it")
+        terms = {name.rsplit("/LICENSE.", 1)[1] for name in names if "/LICENSE." in name}
+        verdict(terms == {"jansson", *(URDF if urdf else ())}, f"the terms of what is in it are in it: {sorted(terms)}")
         mode = wheel.getinfo(f"dynpoint/{program}").external_attr >> 16
         verdict(system == "windows" or mode & 0o111 == 0o111, "its program may be executed")
         for name in (extension, program):

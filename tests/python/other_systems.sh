@@ -3,6 +3,8 @@
 # What the wheels for Windows, macOS and musl are built of and run by: sh tests/python/other_systems.sh FOLDER PYTHON, which
 # has ziglang. Once: each part has a file NAME.complete when it is there.
 #   jansson  the sources of Debian's package
+#   urdf     those of urdfdom and of what it stands on. Debian's changes to TinyXML cure faults that were found in it since;
+#            expat is the newest that can be had.
 #   windows  CPython 3.11 for Windows, as Maven's org.bytedeco:cpython packs it. It leaves out python3.dll, which hands what
 #            is in the limited API to python311.dll: made here, of all that the package's own python3.lib lists. With the last
 #            NumPy whose calls wine 8 has.
@@ -20,6 +22,13 @@ numpy() {
 }
 jansson() {
     sh tests/lib/sources.sh "$folder/source" jansson && cp -R "$folder/source/jansson" "$folder/jansson"
+}
+urdf() {
+    sh tests/lib/sources.sh "$folder/source" urdfdom urdfdom-headers console-bridge tinyxml &&
+        SUITE=sid sh tests/lib/sources.sh "$folder/sid" expat && mkdir "$folder/urdf" &&
+        cp -R "$folder"/source/urdfdom "$folder"/source/urdfdom-headers "$folder"/source/console-bridge "$folder"/source/tinyxml \
+            "$folder"/sid/expat "$folder/urdf" && cd "$folder/urdf/tinyxml" && tar xf "$folder"/source/apt/tinyxml/*.debian.tar.* || return 1
+    while read -r change; do patch -p1 -s <"debian/patches/$change" || return 1; done <debian/patches/series
 }
 windows() {
     mkdir "$folder/windows" && cd "$folder/windows" &&
@@ -50,7 +59,7 @@ musl() {
         numpy musllinux_1_1_x86_64 1.26.4
 }
 unset CC
-for part in jansson windows musl; do
+for part in jansson urdf windows musl; do
     [ ! -f "$folder/$part.complete" ] || continue
     rm -rf "${folder:?}/$part"
     if ("$part") >"$folder/$part.log" 2>&1; then

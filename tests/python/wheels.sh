@@ -34,8 +34,38 @@ build_wheel() { # WHEEL_FOR VARIABLE...
     rm -f "build/wheel-$1"/*.whl
     system=$1
     shift
-    (unset CC && PATH=$made:$PATH make -s -j"${JOBS:-2}" wheel-release WHEEL_FOR="$system" PYTHON="$made/python" "$@") >>"$log" 2>&1
+    (unset CC && PATH=$made:$PATH make -s -j"${JOBS:-2}" wheel-release WHEEL_FOR="$system" WHEEL_URDF="$urdf" PYTHON="$made/python" "$@") >>"$log" 2>&1
 }
+# robots WHAT COMMAND...: of the URDFs $robots it makes what the C program makes, of bytes and of refusals. The C program has
+# Debian's urdfdom.
+robots() {
+    what=$1 taken=0 refused=0 wrong=
+    shift
+    for robot in $robots; do
+        rm -f "$room/robot.dpa" "$room/made.dpa"
+        "$build/dynpoint" compile "$robot" -o "$room/robot.dpa" >/dev/null 2>"$room/told"
+        told=$?
+        "$@" compile "$robot" -o "$room/made.dpa" >/dev/null 2>"$room/made" </dev/null
+        if [ $? -ne $told ] || ! tr -d '\r' <"$room/made" | cmp -s "$room/told" - ||
+            { [ $told -eq 0 ] && ! cmp -s "$room/robot.dpa" "$room/made.dpa"; }; then
+            wrong="$wrong ${robot##*/}"
+        elif [ $told -eq 0 ]; then
+            taken=$((taken + 1))
+        else
+            refused=$((refused + 1))
+        fi
+    done
+    [ -z "$wrong" ] && [ $taken -gt 0 ] && [ $refused -gt 0 ]
+    verdict $? "$what robots in URDF are the C program's: $taken, and $refused that are refused${wrong:+; not$wrong}"
+}
+systems=$build/wheel-systems urdf= all="docs/samples/*.urdf tests/golden-urdf/*.urdf"
+if [ ! -f "$systems/urdf.complete" ]; then
+    skip "robots in URDF in the wheels: no sources of urdfdom (make deps wheels)"
+elif ! grep -q DPT_HAS_URDF "$build/built_with.h"; then
+    skip "robots in URDF in the wheels: the C program has none (make deps light)"
+else
+    urdf=$systems/urdf
+fi
 # wheel MACHINE [ROOT]: it is made, for no newer a glibc than 2.28; then $wheel is its file.
 wheel() {
     build_wheel "$1" WHEEL_ROOT="${2:-}"
@@ -53,6 +83,13 @@ verdict $? "it installs into an empty virtual environment, without a compiler"
 (cd "$room" && PATH=$room/programs "$room/empty/bin/python" "$OLDPWD/tests/python/bits.py" "$organ" $unit trace.csv \
     liver.dpa told.csv) >"$room/here" 2>>"$log"
 verdict $? "there it answers as the C program, bit for bit: $(sed -n 's/^as C //p' "$room/here")"
+if [ -n "$urdf" ]; then
+    robots=$all
+    robots "there" "$room/empty/bin/python" -B -m dynpoint
+    terms=$(cd "$room" && "$made/python" -m zipfile -l "$OLDPWD/$wheel" | sed -n 's/.*licenses\/LICENSE\.\([a-z-]*\) .*/\1/p' | sort | tr '\n' ' ')
+    [ "$terms" = "console-bridge expat jansson libcxx tinyxml urdfdom urdfdom-headers " ]
+    verdict $? "the terms of what is in it are in it: $terms"
+fi
 
 if [ -f "$foreign/complete" ] && command -v qemu-aarch64-static >/dev/null; then
     wheel aarch64 "$foreign/tree"
@@ -64,15 +101,16 @@ if [ -f "$foreign/complete" ] && command -v qemu-aarch64-static >/dev/null; then
         "$OLDPWD/tests/python/bits.py" "$organ" $unit trace.csv liver.dpa told.csv) >"$room/there" 2>>"$log"
     verdict $? "on AArch64 it answers as the C program"
     check "and as the wheel for x86-64, also a soft scene" cmp "$room/here" "$room/there"
+    chmod +x "$room/site/dynpoint/program"
+    [ -z "$urdf" ] || robots "there" qemu-aarch64-static -L "$foreign/tree" "$room/site/dynpoint/program"
 else
     skip "the wheel for AArch64: no Python for it, or no emulator (make deps wheels cross)"
 fi
 # other SYSTEM: the wheel for it is made and looked at; then $wheel is its file.
-systems=$build/wheel-systems
 other() {
     build_wheel "$1" WHEEL_JANSSON="$systems/jansson" WHEEL_PYTHON="$systems/windows/python/include"
     wheel=$(echo "build/wheel-$1"/dynpoint-*.whl)
-    count "the wheel for $1" "$made/python" -B tests/python/look.py "$wheel" "$1"
+    count "the wheel for $1" "$made/python" -B tests/python/look.py "$wheel" "$1" ${urdf:+urdf}
     check "$1: it keeps to the stable ABI of 3.11, see $log" "$made/abi3audit" --strict "$wheel"
 }
 # answers WHAT FOLDER PYTHON...: beside NumPy of the folder the wheel answers as the C program, and as the others do.
@@ -98,7 +136,8 @@ else
     other x86_64-musl
     if [ -f "$systems/musl.complete" ]; then
         answers "on musl" "$systems/musl/site" env PYTHONPATH="$systems/musl/site" "$systems/musl/python/bin/python3.11" -B
-        count "on musl" env PYTHONPATH="$systems/musl/site" "$systems/musl/python/bin/python3.11" -B tests/python/elsewhere.py
+        count "on musl" env URDF="$urdf" PYTHONPATH="$systems/musl/site" "$systems/musl/python/bin/python3.11" -B tests/python/elsewhere.py
+        [ -z "$urdf" ] || robots "there" "$systems/musl/site/dynpoint/program"
     else
         skip "the wheel for musl is not run: no Python for it (make deps wheels)"
     fi
@@ -121,7 +160,10 @@ exit "\$(cat "\$0.status")"
 EOF
         chmod +x "$room/python"
         answers "on Windows, by wine," "$systems/windows/site" env PYTHONPATH="Z:$systems/windows/site" "$room/python"
-        count "on Windows" env PYTHONUTF8=1 PYTHONPATH="Z:$systems/windows/site" "$room/python" "$PWD/tests/python/elsewhere.py"
+        count "on Windows" env PYTHONUTF8=1 URDF="$urdf" PYTHONPATH="Z:$systems/windows/site" "$room/python" "$PWD/tests/python/elsewhere.py"
+        # A few: each begins anew in wine.
+        robots="docs/samples/*.urdf tests/golden-urdf/mesh_*.urdf"
+        [ -z "$urdf" ] || robots "there" timeout 120 wine "$systems/windows/site/dynpoint/program.exe"
         timeout 60 wineserver -k >/dev/null 2>&1
     fi
 fi

@@ -15,8 +15,16 @@ PY_OBJECTS := $(filter-out $(CHOOSERS),$(CORE) $(TEXT) $(COMPILE) $(DRIVER_PARTS
   $(filter $(PY)/drivers/% $(PY)/src/%,$(PY_CHOSEN)) $(PY_SOURCES:%.c=$(B)/%.o) \
   $(addprefix $(B)/,tools/view/scene_view.o tools/view/view_scene.o tools/view/view_stream.o) \
   $(filter-out %/part_view.o %/part_urdf.o,$(PY_LOADED)) $(PLATFORM_INTERPRETER) $(PLATFORM_LIBRARY)
+# The wheels of a release have urdfdom and what it stands on in the program itself: compiled of WHEEL_URDF, their sources.
+WHEEL_URDF ?=
+ifneq ($(WHEEL_URDF),)
+PY_URDF_SOURCES := $(addprefix $(WHEEL_URDF)/,$(patsubst %,urdfdom/urdf_parser/src/%.cpp,joint link model pose world) \
+  console-bridge/src/console.cpp $(patsubst %,tinyxml/%.cpp,tinyxml tinyxmlerror tinyxmlparser) $(patsubst %,expat/expat/lib/%.c,xmlparse xmlrole xmltok \
+  $(if $(filter windows,$(PLATFORM)),random_rand_s,random_dev_urandom)))
+PY_URDF := $(URDF_PARTS) $(patsubst $(WHEEL_URDF)/%,$(PY)/urdf/%.o,$(PY_URDF_SOURCES))
+endif
 PY_PROGRAM := $(filter-out $(CHOOSERS) $(VIEW_SERVER),$(TOOLS) $(PLATFORM_PROGRAM) $(SIMULATE) $(HOST) $(COMPILE) $(TEXT) $(DRIVER_PARTS) $(CORE)) \
-  $(PY_CHOSEN) $(PY_LOADED) $(PLATFORM_LIBRARY)
+  $(PY_CHOSEN) $(if $(WHEEL_URDF),$(filter-out %/part_urdf.o,$(PY_LOADED)) $(PY_URDF),$(PY_LOADED)) $(PLATFORM_LIBRARY)
 PY_VIEW_SERVER := $(patsubst $(B)/%,$(PY)/%,$(VIEW_SERVER))
 # What Python calls an extension, and how it is linked: it finds Python's symbols in the program that loads it. On Windows
 # they are python3.dll's, the DLL of the limited API, of which an import library is made: of those that are used.
@@ -32,7 +40,7 @@ PY_EXTENSION := _dynpoint.abi3.so
 PY_LINK_EXTENSION = $(LDFLAGS) -shared -Wl,--gc-sections -Wl,-rpath,'$$ORIGIN' -Wl,--version-script=src/bindings/python/python.map
 endif
 DLLTOOL ?= dlltool
-PY_PARTS := $(addprefix $(PY)/parts/,$(PY_EXTENSION) dynpoint$(EXE) $(if $(URDF_PARTS),libdynpoint_urdf.so) \
+PY_PARTS := $(addprefix $(PY)/parts/,$(PY_EXTENSION) dynpoint$(EXE) $(if $(WHEEL_URDF),,$(if $(URDF_PARTS),libdynpoint_urdf.so)) \
   $(if $(CONVEX_PARTS),libdynpoint_convex.so) $(if $(VIEW_SERVER),libdynpoint_view.so) \
   $(if $(filter yes made,$(VIEW_PAGE)),page.html page.csp))
 PY_LINK = $(CC) $(CONFIG_CFLAGS)
@@ -44,8 +52,10 @@ python-parts: $(PY_PARTS)
 
 # What setup.py packs, apart from the tree: it writes beside what it reads.
 PY_FILES := $(addprefix src/bindings/python/,setup.py pyproject.toml README.md)
-PY_JANSSON_LICENSE :=
-PY_COPY = rm -rf $1 && mkdir -p $1 && cp $(PY_FILES) LICENSE $1 && $(if $(PY_JANSSON_LICENSE),cp $(PY_JANSSON_LICENSE) $1/LICENSE.jansson &&) mkdir $1/dynpoint && \
+# Terms of what is in it besides: NAME=FILE.
+PY_LICENSES :=
+PY_COPY = rm -rf $1 && mkdir -p $1 && cp $(PY_FILES) LICENSE $1 && \
+  $(foreach terms,$(PY_LICENSES),cp $(word 2,$(subst =, ,$(terms))) $1/LICENSE.$(firstword $(subst =, ,$(terms))) &&) mkdir $1/dynpoint && \
   cp src/bindings/python/dynpoint/*.py src/bindings/python/dynpoint/*.pyi src/bindings/python/dynpoint/py.typed $1/dynpoint
 
 wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make deps python)
@@ -56,9 +66,10 @@ wheel: python-parts ## the package of Python, build/python/dynpoint-*.whl (make 
 
 # The wheels of a release are made by zig, which has headers and libraries of other systems: of glibc 2.28, of musl, of Windows
 # and of macOS 11. Python's headers are this machine's; those for Windows, whose sizes are others, are in WHEEL_PYTHON. jansson
-# goes in. For glibc it is Debian's, of the system or of WHEEL_ROOT, where packages of another machine are unpacked;
-# elsewhere it is compiled of WHEEL_JANSSON, its sources. libccd does not go in, and is loaded where Debian's headers tell how.
-# No library of C++ that zig links to is urdfdom's, and libwebsockets is not asked for: Python's own server is there.
+# and urdfdom go in. For glibc jansson is Debian's, of the system or of WHEEL_ROOT, where packages of another machine are
+# unpacked; elsewhere it is compiled of WHEEL_JANSSON, its sources. urdfdom is compiled everywhere: its C++ is that of zig's own
+# library (libc++, linked in), and so no system's need be there. libccd does not go in, and is loaded where Debian's headers
+# tell how. libwebsockets is not asked for: Python's own server is there.
 WHEEL_FOR ?= x86_64
 WHEEL_ROOT ?=
 WHEEL_MACHINE := $(firstword $(subst -, ,$(WHEEL_FOR)))
@@ -85,10 +96,23 @@ WHEEL_HEADERS = $(wildcard $(foreach name,jansson.h jansson_config.h ccd, \
 WHEEL_JANSSON_USES = -DHAVE_STDINT_H -DHAVE_ATOMIC_BUILTINS $(if $(filter windows,$(WHEEL_SYSTEM)),-DUSE_WINDOWS_CRYPTOAPI, \
   $(addprefix -D,USE_URANDOM $(addprefix HAVE_,OPEN CLOSE READ FCNTL_H UNISTD_H SYS_STAT_H SYS_TYPES_H SYS_TIME_H \
   SCHED_H SCHED_YIELD GETTIMEOFDAY GETPID)))
-WHEEL_MAKE = DYNPOINT_PLATFORM=$(WHEEL_TAG) $(MAKE) wheel B=$(WHEEL_MADE) CC='$(WHEEL_ZIG) cc -target $(WHEEL_TARGET)' URDF=no LWS=no \
-  LDFLAGS=-s PY_INCLUDE=$(WHEEL_MADE)/include/python JANSSON=yes JANSSON_CFLAGS='-I$(WHEEL_MADE)/include'
+# The folders of its headers; and what its configure scripts would say.
+WHEEL_URDF_USES = $(addprefix -isystem ,$(WHEEL_MADE)/include $(addprefix $(WHEEL_URDF)/,tinyxml expat/expat/lib console-bridge/include \
+  urdfdom/urdf_parser/include $(patsubst %,urdfdom-headers/%/include,urdf_exception urdf_model urdf_model_state urdf_sensor urdf_world))) \
+  -DTIXML_USE_STL -DURDFDOM_STATIC -DXML_STATIC
+WHEEL_EXPAT_USES = XML_NS XML_DTD XML_GE=1 BYTEORDER=1234 XML_CONTEXT_BYTES=1024 HAVE_MEMMOVE HAVE_STDINT_H HAVE_STDLIB_H HAVE_STRING_H \
+  $(if $(filter windows,$(WHEEL_SYSTEM)),,XML_DEV_URANDOM HAVE_UNISTD_H HAVE_FCNTL_H)
+WHEEL_TERMS = jansson=$(if $(filter glibc,$(WHEEL_SYSTEM)),$(WHEEL_ROOT)/usr/share/doc/libjansson4/copyright,$(WHEEL_JANSSON)/LICENSE) \
+  $(if $(WHEEL_URDF),$(foreach one,urdfdom/LICENSE urdfdom-headers/LICENSE console-bridge/LICENSE tinyxml/readme.txt expat/COPYING, \
+  $(firstword $(subst /, ,$(one)))=$(WHEEL_URDF)/$(one)) libcxx=$(WHEEL_LIBCXX_TERMS))
+WHEEL_LIBCXX_TERMS = $(shell $(PYTHON) -c 'import pathlib, ziglang; print(pathlib.Path(ziglang.__file__).parent / "lib/libcxx/LICENSE.TXT")')
+WHEEL_MAKE = DYNPOINT_PLATFORM=$(WHEEL_TAG) $(MAKE) wheel B=$(WHEEL_MADE) CC='$(WHEEL_ZIG) cc -target $(WHEEL_TARGET)' \
+  CXX='$(WHEEL_ZIG) c++ -target $(WHEEL_TARGET)' URDF=$(if $(WHEEL_URDF),yes,no) URDF_CFLAGS='$(WHEEL_URDF_USES)' URDF_LIBS= \
+  PY_LICENSES='$(WHEEL_TERMS)' LWS=no LDFLAGS=-s PY_INCLUDE=$(WHEEL_MADE)/include/python JANSSON=yes JANSSON_CFLAGS='-I$(WHEEL_MADE)/include'
 wheel-release: ## the same for a release (make deps wheels): for glibc 2.28; WHEEL_FOR=x86_64-windows, ...: docs/python.md
 	rm -rf $(WHEEL_MADE)/include $(WHEEL_MADE)/dynpoint-*.whl && mkdir -p $(WHEEL_MADE)/include
+	printf '#define CONSOLE_BRIDGE_DLLAPI\n' >$(WHEEL_MADE)/include/console_bridge_export.h
+	printf '#define %s\n' $(WHEEL_EXPAT_USES) | tr = ' ' >$(WHEEL_MADE)/include/expat_config.h
 ifeq ($(WHEEL_SYSTEM),windows)
 	cp -R $(WHEEL_PYTHON) $(WHEEL_MADE)/include/python
 else
@@ -97,7 +121,7 @@ else
 endif
 ifeq ($(WHEEL_SYSTEM),glibc)
 	cp -R $(WHEEL_HEADERS) $(WHEEL_MADE)/include
-	$(WHEEL_MAKE) JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
+	+$(WHEEL_MAKE) JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
 	  CONVEX=yes CONVEX_CFLAGS='-I$(WHEEL_MADE)/include' CONVEX_LIBS='$(WHEEL_LIBS)/libccd.so'
 	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$(if $(findstring /,$(PYTHON)),$(dir $(PY_PYTHON)):)$$PATH" \
 	  auditwheel repair --plat auto --exclude libccd.so.2 --wheel-dir $(WHEEL_MADE) $(WHEEL_MADE)/python/*.whl
@@ -109,8 +133,7 @@ else
 	  $(WHEEL_JANSSON_USES) -I$(WHEEL_MADE)/jansson -I$(WHEEL_MADE)/include -c $$source \
 	  -o $(WHEEL_MADE)/jansson/$$(basename $$source .c).o || exit 1; done
 	$(WHEEL_ZIG) ar rcs $(WHEEL_MADE)/libjansson.a $(WHEEL_MADE)/jansson/*.o
-	$(WHEEL_MAKE) CONVEX=no JANSSON_LIBS='$(WHEEL_MADE)/libjansson.a' DLLTOOL='$(WHEEL_ZIG) dlltool' \
-	  PY_JANSSON_LICENSE='$(abspath $(WHEEL_JANSSON))/LICENSE'
+	+$(WHEEL_MAKE) CONVEX=no JANSSON_LIBS='$(WHEEL_MADE)/libjansson.a' DLLTOOL='$(WHEEL_ZIG) dlltool'
 	cp $(WHEEL_MADE)/python/*.whl $(WHEEL_MADE)
 endif
 
@@ -162,7 +185,16 @@ $(PY)/sanitized/_dynpoint.abi3.so: $(PY_SANITIZED) $(filter-out $(PY_SOURCES:%.c
 	$(PY_LINK) -fsanitize=address,undefined $(PY_LINK_EXTENSION) $^ -lm $(THREADS) $(DL) $(JANSSON_LIBS) -o $@
 $(PY)/parts/dynpoint$(EXE): $(PY_PROGRAM)
 	@mkdir -p $(@D)
-	$(PY_LINK) $(PY_LINK_PROGRAM) $(sort $^) -lm $(THREADS) $(DL) $(JANSSON_LIBS) $(PLATFORM_LIBS) $(PLATFORM_PROGRAM_LIBS) -o $@
+	$(if $(WHEEL_URDF),$(CXX) $(CONFIG_CFLAGS),$(PY_LINK)) $(PY_LINK_PROGRAM) $(sort $^) -lm $(THREADS) $(DL) $(JANSSON_LIBS) $(PLATFORM_LIBS) $(PLATFORM_PROGRAM_LIBS) -o $@
+
+ifneq ($(WHEEL_URDF),)
+$(PY)/urdf/%.cpp.o: $(WHEEL_URDF)/%.cpp
+	@mkdir -p $(@D)
+	$(CXX) -std=c++11 -O2 $(EXACT) -w -fvisibility=hidden $(URDF_CFLAGS) -c $< -o $@
+$(PY)/urdf/%.c.o: $(WHEEL_URDF)/%.c
+	@mkdir -p $(@D)
+	$(CC) -O2 -w -fvisibility=hidden $(URDF_CFLAGS) -c $< -o $@
+endif
 
 $(PY)/parts/libdynpoint_urdf.so: $(URDF_PARTS) $(COMPILE) $(TEXT) $(CORE)
 	@mkdir -p $(@D)

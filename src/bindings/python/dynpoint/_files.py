@@ -43,6 +43,10 @@ def whole(path: PathLike) -> Iterator[Path]:
         raise
 
 
+# What is locked on Windows, a byte far behind what is read: that of file_lock in drivers/platform/windows/windows.c.
+_LOCKED_BYTE = 0x7FFFFFFE
+
+
 def _open_to_lock(path: PathLike) -> IO[bytes]:
     try:
         return open(path, "r+b")  # NFS locks what is open to be written
@@ -50,19 +54,29 @@ def _open_to_lock(path: PathLike) -> IO[bytes]:
         return open(path, "rb")
 
 
+def _lock(file: IO[bytes]) -> None:
+    """BlockingIOError or PermissionError where somebody else has it, another OSError where there are no locks."""
+    locks: Any
+    if os.name == "nt":
+        locks = import_module("msvcrt")
+        os.lseek(file.fileno(), _LOCKED_BYTE, os.SEEK_SET)
+        locks.locking(file.fileno(), locks.LK_NBLCK, 1)
+    else:
+        locks = import_module("fcntl")
+        locks.flock(file, locks.LOCK_EX | locks.LOCK_NB)
+
+
 @contextmanager
 def locked(path: PathLike) -> Iterator[None]:
     """Until the block's end, or the program's, nobody else has this file's lock: file_lock of drivers/platform/file.h.
-    Else BlockingIOError. What has no length, as a pipe, is not locked. A file system without locks lets everybody in, and
-    so does Windows here."""
-    if os.name == "nt" or not Path(path).is_file():
+    Else BlockingIOError. What has no length, as a pipe, is not locked. A file system without locks lets everybody in."""
+    if not Path(path).is_file():
         yield
         return
-    locks: Any = import_module("fcntl")
     with _open_to_lock(path) as file:
         try:
-            locks.flock(file, locks.LOCK_EX | locks.LOCK_NB)
-        except BlockingIOError:
+            _lock(file)
+        except (BlockingIOError, PermissionError):
             raise BlockingIOError(errno.EAGAIN, "another call works on this list", os.fspath(path)) from None
         except OSError:
             pass
