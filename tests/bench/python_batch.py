@@ -15,6 +15,7 @@ import os
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import mujoco
 import numpy as np
@@ -214,15 +215,12 @@ def main():
           f"environments; {model.nflexvert} vertices, {model.nflexelem} tetrahedra in MuJoCo {mujoco.__version__}")
     few = max(1, count // 50)
     runs = {"one by one": lambda: run_singles(mesh, top, count, ticks)}
-    for threads in (1, 2):
-        runs[f"batch, {threads} thread"] = lambda n=threads: run_batch(mesh, top, count, ticks, n)
-    for threads in (1, 2):
-        runs[f"contact alone, {threads} thread"] = lambda n=threads: run_contact(mesh, top, count, ticks, n)
-    for threads in (1, 2):
-        runs[f"MuJoCo, {threads} thread"] = lambda n=threads: run_mujoco(model, start, top, few, ticks, n)
-    for threads in (1, 2):
-        runs[f"its contact alone, {threads} thread"] = lambda n=threads: run_mujoco_contact(model, start, top, few, ticks,
-                                                                                            n)
+    for name, run in {
+            "batch.World": lambda n: run_batch(mesh, top, count, ticks, n),
+            "contact and force alone": lambda n: run_contact(mesh, top, count, ticks, n),
+            "MuJoCo's step": lambda n: run_mujoco(model, start, top, few, ticks, n),
+            "MuJoCo's contact alone": lambda n: run_mujoco_contact(model, start, top, few, ticks, n)}.items():
+        runs[f"{name}, 1 thread"], runs[f"{name}, 2 threads"] = partial(run, 1), partial(run, 2)
     tries = {name: [] for name in runs}
     for _ in range(rounds):
         for name, run in runs.items():

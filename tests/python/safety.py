@@ -146,7 +146,7 @@ dp.Scene(device=name, bodies=[mesh], flags=reopen, felt=FELT).run()
 class Safety(unittest.TestCase):
     def ends_in_zero(self, program, how, error, status, wake=None):
         """Run a program that ends by `how` once it has pushed; or send it a signal then. The last command is zero force."""
-        line, ends = Line(), time.monotonic() + 120
+        line, ends = Line(), time.monotonic() + 600
         try:
             with subprocess.Popen([sys.executable, "-W", "ignore", "-c", program.replace("END", how), line.name], text=True,
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=with_interrupts) as ran:
@@ -156,7 +156,7 @@ class Safety(unittest.TestCase):
                         ran.send_signal(wake)
                         break
                 try:
-                    said, told = ran.communicate(timeout=120)
+                    said, told = ran.communicate(timeout=600)
                 except subprocess.TimeoutExpired:
                     ran.kill()
                     raise
