@@ -54,16 +54,29 @@ def _open_to_lock(path: PathLike) -> IO[bytes]:
         return open(path, "rb")
 
 
-def _lock(file: IO[bytes]) -> None:
-    """BlockingIOError or PermissionError where somebody else has it, another OSError where there are no locks."""
-    locks: Any
+def _lock(file: IO[bytes]) -> bool:
+    """False: somebody else has it. A file system without locks gives it to everybody."""
     if os.name == "nt":
-        locks = import_module("msvcrt")
-        os.lseek(file.fileno(), _LOCKED_BYTE, os.SEEK_SET)
-        locks.locking(file.fileno(), locks.LK_NBLCK, 1)
-    else:
-        locks = import_module("fcntl")
+        return _lock_windows(file)
+    locks: Any = import_module("fcntl")
+    try:
         locks.flock(file, locks.LOCK_EX | locks.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def _lock_windows(file: IO[bytes]) -> bool:
+    """By LockFileEx: msvcrt.locking does not tell a lock of somebody else's from a file system without locks."""
+    ctypes: Any = import_module("ctypes")
+    handle = ctypes.c_void_p(import_module("msvcrt").get_osfhandle(file.fileno()))
+    exclusive, at_once, violation, pending = 2, 1, 33, 997
+    where = (ctypes.c_uint32 * 8)(0, 0, 0, 0, _LOCKED_BYTE)  # an OVERLAPPED with this offset
+    kernel = ctypes.WinDLL("kernel32", use_last_error=True)
+    had = kernel.LockFileEx(handle, exclusive | at_once, 0, 1, 0, ctypes.byref(where))
+    return bool(had) or ctypes.get_last_error() not in (violation, pending)
 
 
 @contextmanager
@@ -74,10 +87,6 @@ def locked(path: PathLike) -> Iterator[None]:
         yield
         return
     with _open_to_lock(path) as file:
-        try:
-            _lock(file)
-        except (BlockingIOError, PermissionError):
-            raise BlockingIOError(errno.EAGAIN, "another call works on this list", os.fspath(path)) from None
-        except OSError:
-            pass
+        if not _lock(file):
+            raise BlockingIOError(errno.EAGAIN, "another call works on this list", os.fspath(path))
         yield
