@@ -123,7 +123,7 @@ ifeq ($(WHEEL_SYSTEM),glibc)
 	cp -R $(WHEEL_HEADERS) $(WHEEL_MADE)/include
 	+$(WHEEL_MAKE) JANSSON_LIBS='$(WHEEL_LIBS)/libjansson.so' \
 	  CONVEX=yes CONVEX_CFLAGS='-I$(WHEEL_MADE)/include' CONVEX_LIBS='$(WHEEL_LIBS)/libccd.so'
-	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(WHEEL_LIBS))" PATH="$(if $(findstring /,$(PYTHON)),$(dir $(PY_PYTHON)):)$$PATH" \
+	LD_LIBRARY_PATH="$(if $(WHEEL_ROOT),$(abspath $(WHEEL_LIBS)))" PATH="$(if $(findstring /,$(PYTHON)),$(dir $(PY_PYTHON)):)$$PATH" \
 	  auditwheel repair --plat auto --exclude libccd.so.2 --wheel-dir $(WHEEL_MADE) $(WHEEL_MADE)/python/*.whl
 else
 	cp $(WHEEL_JANSSON)/src/jansson.h $(WHEEL_MADE)/include
