@@ -7,7 +7,7 @@
 #     sh tests/deps.sh GROUP...   prints what is missing of these groups and its size, and installs it; all: those
 #                                 that make check uses
 #
-# `make deps GROUP...` calls it so, and `make check` with the light group alone. Nothing is installed without root or
+# `make deps GROUP...` calls it so, and `make check` with the light group alone, or with all for DEPS=all. Nothing is installed without root or
 # apt-get, or with DEPS=no. Nothing that a package only recommends is installed. Status 1: something is still missing.
 set -u
 cd "$(dirname "$0")/.." || exit 2
@@ -23,7 +23,7 @@ firmware|123 MB|a Cortex-M7 in an emulator|gcc-arm-none-eabi libnewlib-arm-none-
 vm|107 MB, 71 of them a kernel, and more from PyPI|CAN on a real kernel, with motor controllers|qemu-system-x86 xz-utils python3 python3-venv
 motors|9 MB, and 75 more from PyPI|libraries for Damiao, RobStride, CyberGear and moteus motors, which read our frames|python3 python3-venv
 view|234 MB, and three.js from npm|the viewer in a browser: its server, its page, and a browser to test them; pictures|pkg-config libwebsockets-dev nodejs npm chromium webp
-build|27 MB, and 340 for a chroot|projects built with CMake, also in an empty chroot; manual pages as they are shown|cmake debootstrap groff
+build|28 MB, and 340 for a chroot|projects built with CMake, also in an empty chroot; musl, another C library; manual pages as they are shown|cmake debootstrap groff musl-tools
 counts|22 MB|callgrind, which counts instructions: what a term of the springs costs|valgrind
 abi|12 MB|abidiff: the types of all public functions are what they were|abigail-tools
 python|9 MB, and 138 more from PyPI|a wheel of the package of Python, and its tests|python3 python3-dev python3-venv
@@ -37,7 +37,7 @@ languages|23 MB, and 35 more from PyPI|the same scene in C# and Java: Mono; a ru
 
 field() { echo "$groups" | awk -F'|' -v group="$1" -v n="$2" '$1 == group { print $n }'; }
 names=$(echo "$groups" | sed 's/|.*//' | tr '\n' ' ')
-unasked='newton\|lerobot\|wheels\|docs' # the first three are for make check-release, the last for make docs
+unasked='newton\|lerobot\|wheels\|platforms\|docs' # for make check-release, the last for make docs
 
 # missing PACKAGE...: those that are not installed. Of node there are other packages, with npm in them, which Debian's
 # npm would remove; and mvn may be of elsewhere.
@@ -103,7 +103,7 @@ if [ $# -eq 0 ]; then
             "$(field "$group" 3)" "$(field "$group" 4)" "${lack:+missing here: $lack}"
     done | grep -v '^ *$'
     echo "make deps GROUP... installs groups, as root; make deps all installs those that make check uses, all but newton," \
-        "lerobot, wheels and docs; make check the light one"
+        "lerobot, wheels, platforms and docs; make check the light one"
     exit 0
 fi
 [ "$*" != all ] || set -- $(echo "$names" | tr ' ' '\n' | grep -vx "$unasked")
@@ -138,9 +138,13 @@ if [ -n "$lack" ]; then
     DEBIAN_FRONTEND=noninteractive $apt -y -qq $lack >/dev/null 2>&1 || echo "apt-get failed: their tests are skipped"
     [ -z "$(missing $lack)" ] || exit 1
 fi
-status=0
+status=0 fetching=
 for group; do
-    fetch "$group" || status=1
+    fetch "$group" &
+    fetching="$fetching $!"
+done
+for one in $fetching; do
+    wait "$one" || status=1
 done
 [ $status -ne 0 ] || echo "all of it is here"
 exit $status

@@ -9,7 +9,8 @@
 #     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time
 #                     optimization, planted faults
 #
-# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail. What has passed in this tree and has not changed is
+# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail; DEPS=all installs all packages that the tests use,
+# beside the builds. What has passed in this tree and has not changed is
 # not run again (lib/jobs.sh); WHOLE=1 runs all, as .ci/run does.
 set -u
 whole=$1
@@ -99,18 +100,30 @@ if [ "$whole" = test ]; then
 else
     compilers=two release=no
     [ "$whole" = check ] || compilers=all release=yes
-    sh tests/deps.sh light
-    # An oracle and a peer are single files that take long: beside the builds.
+    # First what the builds look for. Beside them what else is to be had, and an oracle and a peer, which are single files
+    # that take long.
+    groups=light
+    [ "${DEPS:-}" != all ] || groups="light view"
+    sh tests/deps.sh $groups
     (
+        [ "${DEPS:-}" != all ] || sh tests/deps.sh all
         sh tests/oracle/inside.sh build
         mkdir -p build/bench
         dir=build/bench PEERS='fcl zbuffer'
         . tests/bench/peers.sh
-    ) &
+    ) >build/beside.out 2>&1 &
     build all check-programs
     build CONFIG=scalar check-programs
     build CONFIG=sanitize all check-programs
     wait
+    cat build/beside.out
+    # The emulated machines and the browser look at the clock, and wait for much of their time.
+    reads="include src drivers tools/simulate tools/shape tests docs/samples Makefile"
+    run_clock "a real kernel" sh tests/vm/check.sh build
+    run_clock "firmware" sh tests/firmware/run.sh build
+    reads=
+    run_clock "the viewer's page" sh tests/view/check.sh build
+    run_clock "the page of the core" sh tests/page/check.sh build
     # The longest first.
     run "other machines" env JOBS=1 RELEASE="$release" sh tests/cross.sh build
     run_reading "include src tools/packaging" "single files" env COMPILERS="$compilers" sh tests/amalgamation.sh build
@@ -169,15 +182,6 @@ else
         skip "the simulated device's oracle" "no python3"
     fi
     [ -x build/tests/test_sweep_exact ] || skip "test_sweep_exact, test_sweep_moving" "no g++ with gmpxx"
-    go "$jobs"
-
-    # The emulated machines and the browser look at the clock, and wait for much of their time: not beside what waits.
-    reads="include src drivers tools/simulate tools/shape tests docs/samples Makefile"
-    run_clock "a real kernel" sh tests/vm/check.sh build
-    run_clock "firmware" sh tests/firmware/run.sh build
-    reads=
-    run_clock "the viewer's page" sh tests/view/check.sh build
-    run_clock "the page of the core" sh tests/page/check.sh build
     for config in sanitize scalar; do
         programs $config $config beside
     done

@@ -220,7 +220,7 @@ firmware: all $(SAFE_DEVICE) $(B)/tests/firmware/link $(B)/tests/firmware/pull #
 test: ## a part of every kind of test in about a minute, after some minutes of building: no network, nothing installed
 	@sh tests/run.sh test
 
-check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing); STRICT=1 lets skips fail
+check: ## all tests; as root on Debian installs 21 MB of packages (DEPS=no: nothing, DEPS=all: all); STRICT=1 lets skips fail
 	@sh tests/run.sh check
 
 check-release: ## that, and what takes long for what it can find: before a release

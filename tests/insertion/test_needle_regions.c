@@ -133,7 +133,7 @@ static void nothing_is_gained(void)
         rig_set_body(&needle.rig, gel);
         CHECK(dpt_body_set_regions(needle.rig.world, needle.rig.body, of, TRIANGLES, both, 2) == DPT_OK, "regions");
         wander.depth = needle.depth;
-        for (int i = 0; i < 30000; i++) {
+        for (int i = 0; i < (int)part_of(30000); i++) {
             const double before = needle.depth;
             needle_wander(&needle, &wander);
             const double force = needle_force(&needle);
@@ -208,8 +208,9 @@ static void the_struct_is_taken_as_far_as_it_goes(void)
     needle_close(&sized_needle);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    take_percent(argc, argv);
     TEST(each_wall_and_layer_has_its_law);
     TEST(a_far_side_of_its_own);
     TEST(a_needle_that_is_in_counts_as_inside);

@@ -20,6 +20,11 @@ void take_count(int argc, char **argv, unsigned long *count, uint64_t *seed)
         *seed = strtoull(argv[2], NULL, 10);
 }
 
+int few_of(int cases)
+{
+    return check_percent < 10 ? 1 : cases;
+}
+
 uint64_t part_of(uint64_t cases)
 {
     const uint64_t share = cases * check_percent / 100;

@@ -61,6 +61,12 @@ void take_count(int argc, char **argv, unsigned long *count, uint64_t *seed);
 /* `cases`, or that share of them; 1 at least. */
 uint64_t part_of(uint64_t cases);
 
+/*
+ * Of a few cases that are not random all; one where less than a tenth of the random ones is asked for, as under sanitizers,
+ * which look at what memory and arithmetic do: answers are for the release build.
+ */
+int few_of(int cases);
+
 /* That so many were seen is asked of a whole run; of a part, that there was one. */
 uint64_t least_seen(uint64_t seen);
 

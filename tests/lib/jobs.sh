@@ -109,8 +109,8 @@ lane() {
     done
 }
 
-# What looks at the clock has a lane of its own. Half of its time it waits, so the others are as many as without it, and
-# give way to it. What waits takes none of their places, and goes at once.
+# What looks at the clock has a lane of its own, after what waits. Half of its time it waits, so the others are as many as
+# without it, and give way to it. What waits takes none of their places, and goes at once.
 go() { # LANES
     : >"$dir/computing"
     : >"$dir/waiting"
@@ -123,10 +123,13 @@ go() { # LANES
         echo "$place" >>"$dir/$list"
         next=$((next + 1))
     done
-    for waiting in $(seq 16); do
-        lane <"$dir/waiting" &
-    done
-    [ ! -s "$dir/clock" ] || lane <"$dir/clock" &
+    {
+        for waiting in $(seq 16); do
+            lane <"$dir/waiting" &
+        done
+        wait
+        lane <"$dir/clock"
+    } &
     for computing in $(seq "$1"); do
         lane nice <"$dir/computing" &
     done

@@ -22,14 +22,14 @@ if ! echo '#include <stdlib.h>' | clang --target=wasm32-wasi -E -x c - >/dev/nul
     skip "the page: no C library for WebAssembly (make deps wasm)"
     finish
 fi
-make -s wasm >"$room/make" 2>&1
+flock "$build/wasm.lock" make -s wasm >"$room/make" 2>&1
 verdict $? "make wasm: $(tail -n 1 "$room/make")"
 count "the world, the hand and the loop" node tests/page/page_world.js build/wasm "$build/dynpoint" "$room"
 if [ ! -e build/view/node_modules/three/package.json ]; then
     skip "the page's file, and what it does: three.js is missing (make deps view)"
     finish
 fi
-make -s page >"$room/make" 2>&1
+flock "$build/wasm.lock" make -s page >"$room/make" 2>&1
 verdict $? "make page: $(tail -n 1 "$room/make")"
 count "the page's file" node tests/page/page_one_file.js build/page/dynpoint.html
 if ! command -v chromium >/dev/null; then

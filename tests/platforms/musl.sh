@@ -10,7 +10,7 @@ build=$1 scratch=$1/musl/scratch
 rm -rf "$scratch"
 mkdir -p "$scratch" "$build/musl/kernel"
 if ! command -v musl-gcc >/dev/null 2>&1; then
-    skip "the program for musl: no musl-gcc (make deps platforms)"
+    skip "the program for musl: no musl-gcc (make deps build)"
     finish
 fi
 # The kernel's headers alone, which are for every C library; beside them lie those of glibc.

@@ -172,8 +172,8 @@ function launch(room, ...flags) {
     child.on("exit", done);
   });
 
-  // A window of its own: a page behind another one draws nothing.
-  async function visit(url, { width = 1280, height = 800, features = {} } = {}) {
+  // A window of its own: a page behind another one draws nothing. A small one, as each pixel is computed by the processor.
+  async function visit(url, { width = 960, height = 640, features = {} } = {}) {
     const { targetId } = await send("Target.createTarget", { url: "about:blank", newWindow: true });
     const { sessionId } = await send("Target.attachToTarget", { targetId, flatten: true });
     const page = new Page((method, params) => send(method, params, sessionId), targetId);

@@ -96,7 +96,7 @@ async function beside(page, frame) {
 }
 
 async function shadows(browser) {
-  const page = await visitRecording(browser, write("ring", fixture.stream()), fixture.FRAMES);
+  const page = await visitRecording(browser, write("ring", fixture.stream()), fixture.FRAMES, { width: 1280, height: 800 });
   await view(page, "5");
   await page.ask("viewer.own.view.tools.objects.forEach(({ layers }) => layers.disableAll()), 0"); // its shadow alone is seen
   await check("the tool throws a shadow on the ring, which is farther from it the higher it is", async () => {

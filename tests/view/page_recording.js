@@ -331,7 +331,7 @@ async function otherPages(browser) {
             }),
           ]),
         ),
-        { width: wide },
+        { width: wide, height: 800 },
       );
       await until("the scene", async () => (await page.state()).mode === "mesh");
       const seen = await camera(page);
@@ -533,7 +533,7 @@ async function withoutWebGL() {
 
 async function main() {
   const browser = launch(room);
-  const page = await visitRecording(browser, write("ring", fixture.stream()), fixture.FRAMES);
+  const page = await visitRecording(browser, write("ring", fixture.stream()), fixture.FRAMES, { width: 1280, height: 800 });
   await playing(page);
   await looks(page);
   await check("the page asked the network for nothing, and the console is empty", () => {

@@ -101,8 +101,8 @@ async function view(page, key) {
 }
 
 // The page of a whole recording, when it has been read.
-async function visitRecording(browser, address, frames) {
-  const page = await browser.visit(address);
+async function visitRecording(browser, address, frames, options) {
+  const page = await browser.visit(address, options);
   await until("frames", async () => (await page.state()).frames === frames);
   return page;
 }

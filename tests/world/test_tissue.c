@@ -73,7 +73,7 @@ static void spread_loads_are_silent(void)
 /* Where the patch spans three edges, a sheet feels alike when its edges are halved. */
 static void a_finer_sheet_feels_alike(void)
 {
-    for (int lying = 0; lying < 2; lying++) {
+    for (int lying = 0; lying < few_of(2); lying++) {
         double force[2] = { 0.0, 0.0 };
         for (int fine = 0; fine < 2; fine++) {
             struct tissue_rig tissue;
@@ -122,7 +122,7 @@ static void integrators_end_at_one_force(void)
             tissue.rig.dt = steps[i];
             if (tissue_rig_add_soft(&tissue, &def))
                 jump = tissue_rod_press_and_hold(&tissue, 0.006, &mean);
-            for (int t = 0; t < 4000 && mean > 0.0; t++)
+            for (int t = 0; t < 1000 * few_of(4) && mean > 0.0; t++)
                 mean = tissue_rig_tick(&tissue);
             tissue_rig_close(&tissue);
             expected = i ? expected : mean;
@@ -369,7 +369,7 @@ static void integrators_share_a_tool(void)
     enum { NODES = 4096 };
     static float before[2][3 * NODES], after[3 * NODES];
     double felt[2] = { 0.0, 0.0 };
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < few_of(2); i++) {
         const float far[3] = { 0.0f, 0.0f, 0.0f }, fast[3] = { 0.0f, 0.0f, 8e8f };
         struct tissue_rig tissue;
         struct tissue_def def[2] = {
@@ -404,7 +404,8 @@ static void integrators_share_a_tool(void)
         }
         tissue_rig_close(&tissue);
     }
-    CHECK(felt[0] > 0.05 && fabs(felt[1] - felt[0]) <= 0.01 * felt[0], "%g N and %g N", felt[0], felt[1]);
+    CHECK(felt[0] > 0.05 && (few_of(2) < 2 || fabs(felt[1] - felt[0]) <= 0.01 * felt[0]), "%g N and %g N", felt[0],
+          felt[1]);
 }
 
 /* A tool that lies on tissue and on a rigid body of the same shape: its spring ends on both. */
