@@ -246,7 +246,7 @@ verdict $? "wire.[ch] and wire_device.[ch] compile alone, and call only mem*, st
 # Any choice of back ends builds, and is what the library then has. The core is this build's.
 few=$scratch/few
 mkdir "$few" && cp -pR "$build/src" "$few"
-make -s B="$few" CFLAGS=-O1 DRIVERS=replay "$few/libdynpoint_drivers.so.1" &&
+make -s B="$few" CFLAGS=-O0 DRIVERS=replay "$few/libdynpoint_drivers.so.1" &&
     printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { dpt_device *d; return !dpt_driver_find("replay") ||' \
         'dpt_driver_find("sim") || !dpt_driver_get(0) || dpt_driver_get(1) ||' \
         'dpt_device_open("can:can0", &d, NULL) != DPT_E_ABSENT || dpt_device_open("sim", &d, NULL) != DPT_E_ABSENT ||' \
@@ -258,12 +258,12 @@ ${OBJCOPY:-objcopy} -O binary -j .note.dlopen "$build/libdynpoint_drivers.so.1" 
     tail -c +17 "$scratch/note" | tr -d '\000' | grep -qx '\[{"feature":"openhaptics",.*"soname":\["libHD.so.3.4","libHD.so.3.0","libHD.so"\]}\]' &&
     ! readelf -SW "$few/libdynpoint_drivers.so.1" | grep -q dlopen && ! readelf -d "$build/libdynpoint_drivers.so.1" | grep -q libHD
 verdict $? "a note tells packagers of libHD, which nothing is linked to; not where its back end is left out"
-make -s B="$few" CFLAGS=-O1 DRIVERS= "$few/libdynpoint_drivers.so.1" &&
+make -s B="$few" CFLAGS=-O0 DRIVERS= "$few/libdynpoint_drivers.so.1" &&
     printf '%s\n' '#include <dynpoint/driver.h>' 'int main(void) { return dpt_driver_get(0) != NULL; }' |
     ${CC:-cc} $c99 -Iinclude -x c - -o "$scratch/none" -L"$few" -ldynpoint_drivers -ldynpoint &&
     LD_LIBRARY_PATH="$few" "$scratch/none"
 verdict $? "DRIVERS= builds one without any"
-make -s B="$few" CFLAGS=-O1 DRIVERS=nonesuch "$few/libdynpoint_drivers.so.1" >/dev/null 2>&1
+make -s B="$few" CFLAGS=-O0 DRIVERS=nonesuch "$few/libdynpoint_drivers.so.1" >/dev/null 2>&1
 [ $? -eq 2 ]
 verdict $? "and an unknown one is an error"
 
@@ -298,7 +298,7 @@ while [ $((number += 1)) -lt $choices ]; do
     done
     [ "${RELEASE:-yes}" != no ] || [ $members -le 1 ] || [ $members -ge $((count - 1)) ] || continue
     built=$((built + 1))
-    make -s -j2 B="$few" CFLAGS=-O1 URDF=no DRIVERS="$chosen" LDFLAGS=-Wl,--no-undefined "$few/libdynpoint_drivers.so.1" "$few/dynpoint" &&
+    make -s -j2 B="$few" CFLAGS=-O0 URDF=no DRIVERS="$chosen" LDFLAGS=-Wl,--no-undefined "$few/libdynpoint_drivers.so.1" "$few/dynpoint" &&
         [ "$("$few/dynpoint" device list | sed -n 's/^\([a-z][a-z]*\) .*/\1/p' | tr '\n' ' ')" = "$chosen" ] || is=1
     case $chosen in *serial*) simulates serial ;; *) ! simulates serial ;; esac || is=1
     case $chosen in *can*) simulates can: ;; *) ! simulates can: ;; esac || is=1
@@ -309,13 +309,13 @@ done
 verdict $? "each of $built choices of back ends builds a library and a program that have these and need no other"
 
 # Without urdfdom the program says so.
-make -s B="$few" CFLAGS=-O1 URDF=no "$few/dynpoint" &&
+make -s B="$few" CFLAGS=-O0 URDF=no "$few/dynpoint" &&
     ! "$few/dynpoint" compile docs/samples/arm.urdf -o "$scratch/arm.dpa" 2>"$scratch/no_urdf.says" &&
     [ "$(wc -l <"$scratch/no_urdf.says")" -eq 1 ] && grep -q "this build reads no URDF: install" "$scratch/no_urdf.says" &&
     [ ! -e "$scratch/arm.dpa" ]
 verdict $? "URDF=no builds a program that says what is missing"
 # Without jansson too; scenes by name are none of its business.
-make -s B="$few" CFLAGS=-O1 URDF=no JANSSON=no "$few/dynpoint" &&
+make -s B="$few" CFLAGS=-O0 URDF=no JANSSON=no "$few/dynpoint" &&
     ! "$few/dynpoint" run docs/samples/scene.json --ticks 5 2>"$scratch/no_jansson.says" &&
     [ "$(wc -l <"$scratch/no_jansson.says")" -eq 1 ] &&
     grep -q "this build reads no scene files: install" "$scratch/no_jansson.says" &&
@@ -323,7 +323,7 @@ make -s B="$few" CFLAGS=-O1 URDF=no JANSSON=no "$few/dynpoint" &&
 verdict $? "JANSSON=no builds a program that says what is missing, and knows scenes by name"
 
 # Nor does a program without the viewer's server and page ask for their libraries.
-make -s B="$few" CFLAGS=-O1 URDF=no JANSSON=no LWS=no VIEW_PAGE=no "$few/dynpoint" &&
+make -s B="$few" CFLAGS=-O0 URDF=no JANSSON=no LWS=no VIEW_PAGE=no "$few/dynpoint" &&
     ! grep -qE 'LWS|VIEW_PAGE' "$few/built_with.h" &&
     ! readelf -d "$few/dynpoint" | grep -E 'NEEDED.*(websockets|jansson|urdf)'
 verdict $? "LWS=no VIEW_PAGE=no builds a program without libwebsockets"
