@@ -19,7 +19,7 @@ for name in linux asm asm-generic; do
         [ ! -d "$place/$name" ] || ln -sfn "$place/$name" "$build/musl/kernel/$name"
     done
 done
-make -s -j"${JOBS:-1}" B="$build/musl" CC=musl-gcc CFLAGS=-O1 CFLAGS_EXTRA="-isystem $build/musl/kernel" URDF=no CONVEX=no \
+make -s -j"${JOBS:-1}" B="$build/musl" CC=musl-gcc CFLAGS=-O0 CFLAGS_EXTRA="-isystem $build/musl/kernel" URDF=no CONVEX=no \
     JANSSON=no LWS=no VIEW_PAGE=no "$build/musl/dynpoint" >"$scratch/make.out" 2>&1
 verdict $? "the program is built for musl"
 [ -x "$build/musl/dynpoint" ] || { tail -n 20 "$scratch/make.out"; finish; }
