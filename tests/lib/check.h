@@ -62,8 +62,8 @@ void take_count(int argc, char **argv, unsigned long *count, uint64_t *seed);
 uint64_t part_of(uint64_t cases);
 
 /*
- * Of a few cases that are not random all; one where less than a tenth of the random ones is asked for, as under sanitizers,
- * which look at what memory and arithmetic do: answers are for the release build.
+ * Of a few cases that are not random all; one where less than a tenth of the random ones is asked for, as under
+ * sanitizers, which look at what memory and arithmetic do: answers are for the release build.
  */
 int few_of(int cases);
 
