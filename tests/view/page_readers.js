@@ -145,7 +145,7 @@ async function whatIsRead() {
         "4.00 N",
         "8.000 mm",
         "depth",
-        "penetrating",
+        "pressed in",
         "",
         String(known.meshes[0].sources[known.strip[0]]),
         "3",

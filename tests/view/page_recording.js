@@ -23,7 +23,7 @@ async function playing(page) {
         await page.readout("nearWord"),
         await page.readout("contact"),
       ],
-      ["2,500", "4.00 N", "8.000 mm", "depth", "penetrating"],
+      ["2,500", "4.00 N", "8.000 mm", "depth", "pressed in"],
     );
     const index = async () => {
       await page.settle();

@@ -2,7 +2,7 @@
 // The numbers beside the picture, of the frame that is shown. All text enters as text.
 "use strict";
 const readouts = (() => {
-  const CONTACT = ["unknown", "separated", "touching", "penetrating"];
+  const CONTACT = ["unknown", "separated", "touching", "pressed in"];
   const STATUS = ["stale", "local", "bounded", "exact"];
   const REASON = [
     "acts",
