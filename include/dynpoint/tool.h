@@ -213,7 +213,7 @@ enum {
     DPT_FORCE_FLAG_BEHIND = 64,
     /*
      * The wrench is that of the tissue's step (springs.h), and is not what the proxy's distance from the device says: they
-     * differ by more than 5 % and 5 mN. The surface has moved fast, or has let the proxy go.
+     * differ by more than 5 % plus 5 mN. The surface has moved fast, or has let the proxy go.
      */
     DPT_FORCE_FLAG_APART = 128,
     /*
