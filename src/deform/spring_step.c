@@ -67,11 +67,10 @@ double dpti_springs_limit(uint32_t integrator, double square, double viscosity, 
     return limit < DPT_SPRINGS_STEP_MAX ? limit : DPT_SPRINGS_STEP_MAX;
 }
 
-/* What is known of forces holds no more. */
+/* What is known of forces holds no more. A body of which nothing is foreseen has none to forget. */
 static void forget_forces(struct explicit_step *step)
 {
-    memset(step->springs->is_forced, 0, step->springs->net.slices);
-    step->forced = 0;
+    step->forced = DPT_NONE;
 }
 
 void dpti_explicit_begin(struct explicit_step *step, struct dpt_springs *springs, double h)
@@ -108,7 +107,7 @@ static const float *force_on(struct explicit_step *step, uint32_t slice)
     struct dpt_springs *springs = step->springs;
     float *force = springs->forces + SPRING_ROWS * (size_t)slice;
     if (step->forced != springs->region.count)
-        forget_forces(step);
+        memset(springs->is_forced, 0, springs->net.slices);
     step->forced = springs->region.count;
     if (!springs->is_forced[slice])
         find_force(step, slice, force);
