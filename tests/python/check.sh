@@ -43,8 +43,13 @@ done
 scene() { sh tests/languages/check.sh "$build" python | sed 's/^ *//'; }
 count "the scene of all languages" scene
 if [ -f build/venv-soft/complete ]; then
-    count with_mujoco env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$PWD/$build" build/venv-soft/bin/python -X dev \
-        -W ignore::ResourceWarning tests/python/with_mujoco.py
+    # Where MuJoCo leaves its log.
+    with_mujoco() {
+        root=$PWD
+        (cd "$room" && env PYTHONPATH="$site" PYTHONDONTWRITEBYTECODE=1 DYNPOINT_BUILD="$root/$build" \
+            "$root/build/venv-soft/bin/python" -X dev -W ignore::ResourceWarning "$root/tests/python/with_mujoco.py")
+    }
+    count with_mujoco with_mujoco
 else
     skip "with_mujoco: no MuJoCo (make deps soft)"
 fi
