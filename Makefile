@@ -194,10 +194,11 @@ all: $(B)/dynpoint$(EXE) $(LIBS:%=%.a) $(LIBS:%=%$(SO)) $(CDEF) $(MAN) $(SUMMARY
 
 # What is built in, what is not, and why: in one place, installed with the pages.
 has = printf '%-22s %s\n' '$2' '$(if $(filter yes,$($1)),yes,no: $(if $(filter yes,$($1_HERE)),left out by $1=$($1),needs $3: make deps $4))';
+# zig cc --version writes a file a.o here, unless it is given another name.
 $(SUMMARY): force
 	@mkdir -p $(@D)
 	@{ printf '%-22s %s\n' version '$(VERSION)' configuration '$(CONFIG)' 'built for' '$(PLATFORM), $(MACHINE)' \
-	     compiler "$$($(CC) --version 2>&1 | head -n 1)" CPPFLAGS '$(CPPFLAGS)' CFLAGS '$(CFLAGS)' CXXFLAGS '$(CXXFLAGS)' \
+	     compiler "$$($(CC) --version -o /dev/null 2>&1 | head -n 1)" CPPFLAGS '$(CPPFLAGS)' CFLAGS '$(CFLAGS)' CXXFLAGS '$(CXXFLAGS)' \
 	     LDFLAGS '$(LDFLAGS)'; \
 	   for driver in $(BACK_ENDS); do case ' $(DRIVERS) ' in *" $$driver "*) has=yes ;; *) has='no: it is not in DRIVERS' ;; esac; \
 	     printf '%-22s %s\n' "driver $$driver" "$$has"; done; \

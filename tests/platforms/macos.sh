@@ -10,6 +10,7 @@ if [ ! -x "$zig" ]; then
     skip "macOS: no ziglang (make deps platforms)"
     finish
 fi
+rm -f a.o
 for target in aarch64-macos x86_64-macos; do
     made=$build/$target
     mkdir -p "$made"
@@ -21,4 +22,6 @@ for target in aarch64-macos x86_64-macos; do
         verdict $? "$target: $lib.1.dylib is found by @rpath, finds ours beside itself, and exports the public symbols alone"
     done
 done
+[ ! -e a.o ]
+verdict $? "nothing is written beside the build"
 finish

@@ -49,7 +49,8 @@ def main(root, path):
             made = np.concatenate([wanted[f"{i}/{part}"][at] for part in parts]).astype(np.float32)
             if not np.array_equal(frame[name].numpy(), made):
                 strange.add(name)
-    verdict(not strange, f"{len(rows)} frames have the recordings' numbers in all {len(fields)} columns {sorted(strange)}")
+    verdict(not strange, f"{len(rows)} frames have the recordings' numbers in all {len(fields)} columns"
+            f"{', but for ' + str(sorted(strange)) if strange else ''}")
     # What came a tick before, by time: LeRobot compares the times of all frames with its rate.
     step = 1 / whole.fps
     pairs = LeRobotDataset("local/dynpoint", root=Path(root), episodes=[1], delta_timestamps={"action": [-step, 0.0]})

@@ -3,7 +3,7 @@
 # The wheels of a release, in make check-release: sh tests/python/wheels.sh [BUILD=build]. For x86-64 and for AArch64
 # they are made by zig for an old glibc; they are installed where there is no compiler, and answer as the C program
 # does, on AArch64 in an emulator. Those for musl, Windows and macOS are looked at; a musl's Python and a Windows' in wine
-# answer the same. And pyvista's meshes; packages come from PyPI.
+# answer the same, and so does the program for musl on AArch64. And pyvista's meshes; packages come from PyPI.
 set -u
 cd "$(dirname "$0")/../.." || exit 2
 . tests/lib/verdict.sh
@@ -132,7 +132,18 @@ else
         skip "the wheel for macOS on $machine is not run: there is no macOS here"
     done
     other aarch64-musl
-    skip "the wheel for musl on AArch64 is not run: there is no Python for it here"
+    skip "the extension for musl on AArch64 is not run: there is no Python for it here"
+    # Its program is linked statically.
+    if command -v qemu-aarch64-static >/dev/null; then
+        rm -rf "$room/musl"
+        mkdir "$room/musl" && (cd "$room/musl" && "$made/python" -m zipfile -e "$OLDPWD/$wheel" .) && chmod +x "$room/musl/dynpoint/program"
+        verdict $? "it is unpacked"
+        qemu-aarch64-static "$room/musl/dynpoint/program" replay "$room/liver.dpa" "$room/trace.csv" --radius 0.002 -o "$room/made.csv" >>"$log" 2>&1
+        check "its program answers as the C program" cmp "$room/told.csv" "$room/made.csv"
+        [ -z "$urdf" ] || robots "there" qemu-aarch64-static "$room/musl/dynpoint/program"
+    else
+        skip "nor is its program: no emulator (make deps wheels)"
+    fi
     other x86_64-musl
     if [ -f "$systems/musl.complete" ]; then
         answers "on musl" "$systems/musl/site" env PYTHONPATH="$systems/musl/site" "$systems/musl/python/bin/python3.11" -B
