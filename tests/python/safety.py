@@ -148,8 +148,8 @@ dp.Scene(device=name, bodies=[mesh], flags=reopen, felt=FELT).run()
 
 class Safety(unittest.TestCase):
     def end(self, program, how, wake, until):
-        """What the program says, its status, and all forces. None if it was stopped instead: a machine that has more to do
-        than it can has missed the device's watchdog, and a scene leaves a fault to its user."""
+        """What the program says, its status, and all forces. None if it was stopped instead: a machine that has more to
+        do than it can has missed the device's watchdog, and a scene leaves a fault to its user."""
         line, before, heard = Line(), 0, 0
         try:
             with subprocess.Popen([sys.executable, "-W", "ignore", "-c", program.replace("END", how), line.name], text=True,

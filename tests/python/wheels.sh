@@ -136,9 +136,11 @@ else
     # Its program is linked statically.
     if command -v qemu-aarch64-static >/dev/null; then
         rm -rf "$room/musl"
-        mkdir "$room/musl" && (cd "$room/musl" && "$made/python" -m zipfile -e "$OLDPWD/$wheel" .) && chmod +x "$room/musl/dynpoint/program"
+        mkdir "$room/musl" && (cd "$room/musl" && "$made/python" -m zipfile -e "$OLDPWD/$wheel" .) &&
+            chmod +x "$room/musl/dynpoint/program"
         verdict $? "it is unpacked"
-        qemu-aarch64-static "$room/musl/dynpoint/program" replay "$room/liver.dpa" "$room/trace.csv" --radius 0.002 -o "$room/made.csv" >>"$log" 2>&1
+        qemu-aarch64-static "$room/musl/dynpoint/program" replay "$room/liver.dpa" "$room/trace.csv" --radius 0.002 \
+            -o "$room/made.csv" >>"$log" 2>&1
         check "its program answers as the C program" cmp "$room/told.csv" "$room/made.csv"
         [ -z "$urdf" ] || robots "there" qemu-aarch64-static "$room/musl/dynpoint/program"
     else
