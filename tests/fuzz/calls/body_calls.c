@@ -77,7 +77,7 @@ static void churn(void)
     struct scene *scene = draw_scene();
     if (!scene || scene->body_count == scene->def.max_bodies)
         return;
-    const uint32_t times = draw_one_in(40) ? CHURN_MAX : 1 + draw_below(20);
+    const uint32_t times = draw_one_in(20) ? CHURN_MAX : 1 + draw_below(20);
     const struct subject *subject = draw_subject();
     for (uint32_t i = 0; i < times; i++) {
         add_one(scene, subject, NULL, 0, 0);

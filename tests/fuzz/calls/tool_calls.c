@@ -95,7 +95,7 @@ static void churn(void)
     struct scene *scene = draw_scene();
     if (!scene || scene->tool_count == scene->def.max_tools || scene->segment_count == scene->def.max_segments)
         return;
-    const uint32_t times = draw_one_in(40) ? CHURN_MAX : 1 + draw_below(20);
+    const uint32_t times = draw_one_in(20) ? CHURN_MAX : 1 + draw_below(20);
     const dpt_segment segment = { { 0.0, 0.0, 0.0 }, { 0.1, 0.0, 0.0 }, 0.001 };
     for (uint32_t i = 0; i < times; i++) {
         add_one(scene, &segment, 1, 0, 0);
