@@ -56,7 +56,7 @@ static const struct shaft_products *products_of(struct tissue_solve *solve, uint
     uint32_t products = 0;
     if (made->is_known)
         return made;
-    *made = (struct shaft_products){ .is_known = 1 };
+    *made = (struct shaft_products){ .is_known = 1, .beside = made->beside };
     for (uint32_t i = 0; i < shaft->channel->point_count; i++) {
         const struct tissue_link *link = link_of(solve, shaft, i), *other;
         if (!link)

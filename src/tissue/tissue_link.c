@@ -295,6 +295,19 @@ static int are_links_kept(const struct tissue_solve *solve)
     return 1;
 }
 
+/* Where physics is somebody else's, vertices that had come to rest were left to it. Returns 0 without room for them. */
+static int list_kept_vertices(struct tissue_solve *solve)
+{
+    for (uint32_t i = 0; i < solve->kept_nodes; i++) {
+        const struct tissue_node *node = &solve->nodes[i];
+        const struct tissue_body *of = &solve->bodies[node->body];
+        if (of->step.yield &&
+            !dpti_yield_of(of->step.yield, node->node, of->body->surface.positions + 3 * (size_t)node->node))
+            return 0;
+    }
+    return 1;
+}
+
 static void keep_links(struct tissue_solve *solve, uint32_t count)
 {
     if (count > KEPT_LINKS_MAX)
@@ -331,6 +344,7 @@ static void begin_kept_nodes(struct tissue_solve *solve)
         is_same &= response == node->response;
         node->response = response;
         node->begin = dpti_loaded_step_place(step, node->node);
+        node->seen = 0;
     }
     for (uint32_t i = is_same ? last + 1 : 0; i < solve->shaft_count; i++)
         solve->products[i].is_known = 0;
@@ -357,7 +371,7 @@ static void note_shafts(struct tissue_solve *solve)
 static int link_all(struct tissue_solve *solve)
 {
     const uint32_t first = count_first_shafts(solve);
-    const int is_kept = are_links_kept(solve);
+    const int is_kept = are_links_kept(solve) && list_kept_vertices(solve);
     if (is_kept) {
         forget_other_links(solve);
         begin_kept_nodes(solve);

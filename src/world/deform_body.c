@@ -387,6 +387,8 @@ void dpti_deform_reset(struct body *body)
     dpti_surface_motion_forget(&deform->motion);
     if (deform->yield)
         dpti_yield_forget_loads(deform->yield);
+    if (deform->solve)
+        memset(deform->solve, 0, sizeof(struct tissue_solve));
     deform->point_count = deform->tool_count = 0;
     deform->has_lost_tool = 0;
     body->held_tick = 0;

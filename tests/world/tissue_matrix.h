@@ -11,4 +11,10 @@
  */
 double tissue_matrix_asymmetry(const dpt_world *world, dpt_body body, uint32_t *touches, uint32_t *others);
 
+/* Of the last problem: by how much the shares of a touch's nodes miss 1 at most, and how many touches are of no shaft. */
+uint32_t tissue_matrix_shares(const dpt_world *world, dpt_body body, double *off);
+
+/* The body's solve is as it was when the body was added. */
+void tissue_matrix_forget(dpt_world *world, dpt_body body);
+
 #endif
