@@ -150,6 +150,15 @@ static double motion_of(const struct tool *tool, const struct proxy *proxy)
     return way_of(proxy, &moved) + way_of(proxy, &proxy->end_motion);
 }
 
+/* Whether a tool touches what is stepped. Touches without room took the places of others, of tools before it, too. */
+static int touches_stepped(const struct tissue_solve *solve, uint32_t slot, uint32_t first, uint32_t stepped)
+{
+    for (uint32_t i = 0; i < solve->touches.count; i++)
+        if (solve->touches.touch[i].tool_slot == slot && (i < first || i >= stepped))
+            return 1;
+    return 0;
+}
+
 static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, const struct tool *tool, double reach,
                         double least)
 {
@@ -174,7 +183,7 @@ static void gather_tool(struct tissue_solve *solve, struct dpt_world *world, con
     const uint32_t stepped = solve->touches.count;
     dpti_shafts_gather(solve, &search, 1);
     gather_in_time(solve, &search, 1);
-    if (solve->touches.count == stepped) {
+    if (!touches_stepped(solve, made->slot, first, stepped)) {
         solve->touches.count = first;
         solve->shaft_count = shafts;
         return;

@@ -103,27 +103,38 @@ static uint32_t edges_near(const struct tissue_rig *tissue, const dpt_pose *prox
     return near;
 }
 
-/* A comb of lying segments on a fine sheet has more touches than there is room for, one of them has not. */
+enum { TEETH = 12 };
+
+/* A comb of lying segments above a fine sheet. Returns NULL after a failed check. */
+static struct tissue_tool *open_comb(struct tissue_rig *tissue, dpt_segment segments[TEETH], uint32_t count)
+{
+    struct tissue_def def = tissue_sheet();
+    def.triangles = 7200;
+    def.stiffness = 0.1;
+    def.viscosity = 2e-4;
+    for (uint32_t s = 0; s < count; s++)
+        segments[s] = (dpt_segment){ { -0.03, 0.002 * s, 0.0 }, { 0.03, 0.002 * s, 0.0 }, 0.004 };
+    tissue_rig_open(tissue);
+    if (!tissue_rig_add_soft(tissue, &def))
+        return NULL;
+    struct tissue_tool *tool = &tissue->tool[tissue->tool_count++];
+    *tool = (struct tissue_tool){ .device = DPT_POSE_IDENTITY, .force = { .size = sizeof tool->force } };
+    tool->id = rig_add_tool(&tissue->rig, segments, count);
+    rig_set_law(&tissue->rig, tool->id, DPT_LAW_PROXY, 500.0);
+    tool->device.position[2] = 0.0045;
+    return tool;
+}
+
+/* It has more touches than there is room for, one of its teeth has not. */
 static void it_says_where_there_are_too_many_touches(void)
 {
     for (int i = 0; i < 2; i++) {
-        dpt_segment segments[12];
-        const uint32_t count = i ? 1 : 12;
+        dpt_segment segments[TEETH];
+        const uint32_t count = i ? 1 : TEETH;
         uint32_t most = 0, ticks = 0;
         struct tissue_rig tissue;
-        struct tissue_def def = tissue_sheet();
-        def.triangles = 7200;
-        def.stiffness = 0.1;
-        def.viscosity = 2e-4;
-        for (uint32_t s = 0; s < count; s++)
-            segments[s] = (dpt_segment){ { -0.03, 0.002 * s, 0.0 }, { 0.03, 0.002 * s, 0.0 }, 0.004 };
-        tissue_rig_open(&tissue);
-        if (tissue_rig_add_soft(&tissue, &def)) {
-            struct tissue_tool *tool = &tissue.tool[tissue.tool_count++];
-            *tool = (struct tissue_tool){ .device = DPT_POSE_IDENTITY, .force = { .size = sizeof tool->force } };
-            tool->id = rig_add_tool(&tissue.rig, segments, count);
-            rig_set_law(&tissue.rig, tool->id, DPT_LAW_PROXY, 500.0);
-            tool->device.position[2] = 0.0045;
+        struct tissue_tool *tool = open_comb(&tissue, segments, count);
+        if (tool) {
             tissue_rig_place(&tissue);
             for (int t = 0; t < 120; t++) {
                 dpt_pose proxy;
@@ -144,6 +155,32 @@ static void it_says_where_there_are_too_many_touches(void)
         }
         tissue_rig_close(&tissue);
     }
+}
+
+/* Where one tool takes all room, touches of another one take places of its own: both are felt. */
+static void another_tool_finds_room(void)
+{
+    static const dpt_segment rod = { { -0.03, 0.0, 0.0 }, { 0.03, 0.0, 0.0 }, 0.004 };
+    dpt_segment segments[TEETH];
+    struct tissue_rig tissue;
+    const struct tissue_tool *comb = open_comb(&tissue, segments, TEETH);
+    uint32_t crowded = 0, both = 0;
+    if (comb) {
+        struct tissue_tool *other = tissue_rig_add_tool(&tissue, &rod, 500.0);
+        other->device.position[1] = -0.01;
+        other->device.position[2] = 0.0045;
+        tissue_rig_place(&tissue);
+        for (int t = 0; t < 120; t++) {
+            for (uint32_t k = 0; k < 2; k++)
+                tissue.tool[k].device.position[2] -= 2e-5;
+            const double force = tissue_rig_tick(&tissue), others = length3(other->force.wrench.force);
+            CHECK(force < 5.0 && others < 5.0, "tick %d: %g and %g N", t, force, others);
+            crowded += (comb->force.flags & DPT_FORCE_FLAG_CROWDED) != 0;
+            both += comb->force.flags & DPT_FORCE_FLAG_CROWDED && force > 0.0 && others > 0.0;
+        }
+        CHECK(crowded > 20 && both > 20, "crowded in %u ticks, %u of them with both", crowded, both);
+    }
+    tissue_rig_close(&tissue);
 }
 
 struct kept {
@@ -498,6 +535,7 @@ int main(int argc, char **argv)
     take_percent(argc, argv);
     TEST(it_says_where_the_proxy_is_apart);
     TEST(it_says_where_there_are_too_many_touches);
+    TEST(another_tool_finds_room);
     TEST(it_says_where_a_step_ended);
     TEST(too_many_weights_are_told);
     TEST(a_budget_bounds_the_solve);
