@@ -33,10 +33,10 @@ fails = any(f["verdict"] == "fails" for f in case["figures"] if "verdict" in f)
 assert status == fails, "the exit status"
 rows = case["rows"]
 skipped = [f["value"] for f in case["figures"] if f["method"] == "data"]
-scenes = ["liver", "membrane", "laparoscopy", "soft-liver", "cloth", "organ-liver", "organ-kidney", "organ-spleen"]
+scenes = ["liver", "membrane", "laparoscopy", "soft-liver", "cloth", "biopsy", "organ-liver", "organ-kidney", "organ-spleen"]
 seen = list(dict.fromkeys(row["scene"] for row in rows))
-assert skipped == [8 - len(seen)] and seen == scenes[:len(seen)], (skipped, seen)
-assert len(rows) == len(seen) * max(1, int(20 * effort + 0.5)), len(rows)
+assert skipped == [9 - len(seen)] and seen == scenes[:len(seen)], (skipped, seen)
+assert len(rows) == (len(seen) - 1) * max(1, int(20 * effort + 0.5)) + 1, len(rows)
 words = {"integrator": ("rigid", "SYMPLECTIC", "EULER", "IMPLICIT"), "rotation": ("locked", "free"),
          "hand": ("still", "press", "wipe", "rub"), "verdict": ("holds", "fails", "no force", "broke", "refused")}
 numbers = ["lean_deg", "stiffness", "edge_of_radius", "mean_N", "hum_N", "hum_percent", "jump_median_mN", "jump_99_mN",
@@ -53,7 +53,7 @@ for row in rows:
         if row["hand"] == "still":
             is_calm = row["hum_N"] <= max(1e-3 * row["mean_N"], 5e-4) and row["jump_99_mN"] <= 1
             assert row["verdict"] == ("holds" if is_calm else "fails"), row
-for scene, name in zip(scenes, ["rigid liver", *scenes[1:5], "real liver", "real kidney", "real spleen"]):
+for scene, name in zip(scenes, ["rigid liver", *scenes[1:6], "real liver", "real kidney", "real spleen"]):
     mine = [row["verdict"] for row in rows if row["scene"] == scene]
     if mine:
         judged = figures["proxy", name + ": rows that were judged"]["value"]
@@ -65,6 +65,9 @@ for scene, name in zip(scenes, ["rigid liver", *scenes[1:5], "real liver", "real
 assert all(row["verdict"] == "holds" and row["hum_N"] < 1e-12 * row["mean_N"] and row["jump_max_mN"] < 1e-9
            for row in rows if row["scene"] == "liver" and row["hand"] == "still"), "the rigid liver"
 assert all(row["verdict"] == "holds" for row in rows if row["scene"] == "liver"), "the rigid liver"
+needles = [row for row in rows if row["scene"] == "biopsy"]
+assert [(row["hand"], row["verdict"], row["lean_deg"]) for row in needles] == [("still", "holds", 0)], needles
+assert needles[0]["mean_N"] > 0.1, "the needle is not held"
 for scene in scenes[1:5]:
     for row in [row for row in rows if row["scene"] == scene][:3]:
         is_slip = (scene, row["hand"]) == ("soft-liver", "press")  # off an edge: one jump too large
@@ -82,7 +85,7 @@ run stability hum --effort 0.05
 check "exit $status: $(cat stderr)" test $status -le 1
 check 'a table: a title' grep -q '^hum: ' stdout
 check 'a table: its columns' grep -q '^ scene  *integrator  *lean_deg .* jump_99_mN .* verdict *$' stdout
-for scene in liver membrane laparoscopy soft-liver cloth; do
+for scene in liver membrane laparoscopy soft-liver cloth biopsy; do
     check "a table: $scene" test "$(grep -c "^ $scene .* still .*[a-z] *$" stdout)" -eq 1
 done
 check 'a table: the rigid liver holds' grep -q '^ liver  *rigid  *90 .* still .* holds *$' stdout

@@ -48,7 +48,7 @@ static const struct row {
     { HAND_RUB, 2, 1, OWN, OWN, 0 },   { HAND_RUB, 1, 0, 2, 1, 1 },
 };
 
-enum { SCENES = 8 };
+enum { SCENES = 9 };
 
 /* A scene by name, or an organ whose file lies below the folder of data. Angles differ, so that more are seen. */
 static const struct place {
@@ -68,6 +68,7 @@ static const struct place {
     { "laparoscopy", NULL, { 0.0, 80.0, 90.0 }, 45.0, 0.005, 0.01, WORDS("laparoscopy") },
     { "soft-liver", NULL, { 0.0, 85.0, 90.0 }, 90.0, 0.005, 0.01, WORDS("soft-liver") },
     { "cloth", NULL, { 80.0, 85.0, 90.0 }, 90.0, 0.0, 0.025, WORDS("cloth") },
+    { "biopsy", NULL, { 0.0, 0.0, 0.0 }, 0.0, 0.02, 0.02, WORDS("biopsy") },
     { "organ-liver", "openhelp_liver.stl", { 45.0, 80.0, 90.0 }, 90.0, 0.005, 0.01, WORDS("real liver") },
     { "organ-kidney", "openhelp_kidney_left.stl", { 20.0, 85.0, 90.0 }, 90.0, 0.005, 0.01, WORDS("real kidney") },
     { "organ-spleen", "openhelp_spleen.stl", { 60.0, 88.0, 90.0 }, 90.0, 0.005, 0.01, WORDS("real spleen") },
@@ -282,7 +283,8 @@ static void run(struct lab *lab)
             continue;
         }
         if (open_place(&scene, &places[i], folder)) {
-            for (size_t row = 0; row < due; row++)
+            /* A needle stands still. */
+            for (size_t row = 0; row < (scene.is_needle ? 1 : due); row++)
                 try_row(lab, &scene, &places[i], &rows[row], &worst);
             tell(lab, &places[i], &worst);
         } else if (places[i].file) {
@@ -308,6 +310,7 @@ const struct lab_case hum_case = {
         "has 20 rows: three as dynpoint run has it, but for a port, about which the tool does not turn; nine of a still hand, an orthogonal array of lean (0 upright, "
         "90 lying), stiffness, integrator, and edges of a half, one and two radii of the tool; three that press "
         "and three that wipe, with each of these levels once; two that slip. Rotation is free in nine. "
+        "A needle has one: it stands still, 20 mm inside. "
         "While the device has stood still for 1 s, hum may be 0.1 % of the mean force or 0.5 mN, and 99 % of "
         "jumps 1 mN. While it moves, by at most 0.05 mm a tick, 99 % of jumps may be 1.5 K times its motion and 2 "
         "mN, and none that no flag explains more than 20 mN beside that. What slips may jump so, or by 5 % of the "

@@ -75,6 +75,7 @@ int hum_scene_open(struct hum_scene *scene, const char *name)
     scene->length = listed->length;
     scene->radius = listed->radius;
     scene->is_below = listed->gravity > 0.0;
+    scene->is_needle = listed->is_needle != 0;
     scene_bodies_top(&scene->bodies, scene->start);
     scene->start[1] += ABOVE;
     if (listed->has_origin && !scene->is_below) {

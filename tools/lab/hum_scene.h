@@ -8,6 +8,7 @@
 struct hum_scene {
     struct scene_bodies bodies;
     int is_soft, is_below; /* the first body gives way; it falls on to the tool */
+    int is_needle;         /* the tool pierces it, with its lower end */
     uint32_t integrator;   /* DPT_INTEGRATOR_..., the scene's own */
     double start[3];       /* m: over the first body, or under it, where a tool's surface begins */
     double length, radius; /* m, of the scene's stylus */

@@ -103,6 +103,7 @@ static dpt_result add_tool(struct hum_trial *trial)
         result = dpt_tool_get_settings(trial->stage.world, trial->stage.tool, &settings);
     settings.stiffness = trial->stiffness;
     settings.lock_rotation = !trial->turns;
+    settings.piercing = trial->scene->is_needle ? DPT_PIERCING_A : DPT_PIERCING_NONE;
     return result == DPT_OK ? dpt_tool_set_settings(trial->stage.world, trial->stage.tool, &settings) : result;
 }
 
@@ -116,6 +117,7 @@ static int open_trial(struct hum_trial *trial)
     dpt_springs_def_init(&usual);
     def.max_contacts = CONTACTS;
     def.max_bodies = bodies->count;
+    def.max_channels = scene_bodies_channels(bodies);
     def.max_tools = def.max_segments = 1;
     trial->tick = malloc(ROOM * sizeof *trial->tick);
     if (!trial->tick || scene_stage_open(&trial->stage, &def) != DPT_OK || add_bodies(trial) != DPT_OK ||
@@ -188,6 +190,8 @@ int hum_trial_run(struct hum_trial *trial)
         path_of(trial, i, &down, &across);
         feel(trial, touch + down, across, 0);
     }
+    if (trial->scene->is_needle && trial->count > 0)
+        trial->has_failed |= !(trial->tick[trial->count - 1].flags & DPT_FORCE_FLAG_INSERTED);
     while (trial->hand != HUM_STILL && trial->count > 0 &&
            !(length(vec3_of(trial->tick[trial->count - 1].force)) > 0.0))
         trial->count--;

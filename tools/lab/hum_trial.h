@@ -14,6 +14,7 @@
  *   PRESS   it goes `depth` deeper and out again, once
  *   WIPE    it goes `depth` deeper and from there 16 mm across and back, at 30 degrees to the tool; the last two are judged
  *           from 60 ms after contact began to the last tick with a force
+ * A needle goes in on its way deeper, and is in at the end.
  * Where the body falls on to the tool, the device waits for it for 1.5 s, presses upwards or wipes, and is judged from then
  * on.
  */
@@ -50,7 +51,7 @@ struct hum_trial {
     struct hum_tick *tick;
     size_t count, judged;
     int is_refused; /* the integrator has no stable step of 1 ms */
-    int has_failed; /* it exploded, or there was never a force */
+    int has_failed; /* it exploded, there was never a force, or a needle is not in */
     double rise;    /* m: half of what the tool's ends differ in height */
     struct scene_stage stage;
 };
