@@ -7,8 +7,9 @@
 #     sh tests/deps.sh GROUP...   prints what is missing of these groups and its size, and installs it; all: those
 #                                 that make check uses
 #
-# `make deps GROUP...` calls it so, and `make check` with the light group alone, or with all for DEPS=all. Nothing is installed without root or
-# apt-get, or with DEPS=no. Nothing that a package only recommends is installed. Status 1: something is still missing.
+# `make deps GROUP...` calls it so, and `make check` with the light group alone, or with all for DEPS=all. Nothing is installed
+# without root or apt-get, or with DEPS=no. Nothing that a package only recommends is installed. Status 1: something is still
+# missing.
 set -u
 cd "$(dirname "$0")/.." || exit 2
 

@@ -9,9 +9,8 @@
 #     run.sh release  that, and what takes long for what it can find: all compilers of the single files, link-time
 #                     optimization, planted faults
 #
-# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail; DEPS=all installs all packages that are
-# used, beside the builds. What has passed in this tree and has not changed is
-# not run again (lib/jobs.sh); WHOLE=1 runs all, as .ci/run does.
+# DPT_DATA names the folder of real meshes; STRICT=1 lets skips fail; DEPS=all installs all packages that are used, beside the
+# builds. What has passed in this tree and has not changed is not run again (lib/jobs.sh); WHOLE=1 runs all, as .ci/run does.
 set -u
 whole=$1
 case $whole in test | check | release) ;; *) echo "usage: run.sh test|check|release" >&2; exit 2 ;; esac
