@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # What tests/lib/jobs.sh runs again, and what it keeps: `sh tests/run_test.sh BUILD`. A tree that is made up has a program
-# and a script, each of which notes that it ran and says what it is told to.
+# and a script, each of which notes that it ran and says what it is told to. And that what runs beside others leaves theirs
+# alone.
 set -u
 here=$(cd "$(dirname "$0")" && pwd) || exit 2
 . "$here/lib/verdict.sh"
@@ -130,4 +131,26 @@ not_kept "what leaves another status" '15 5 0' '3 passed, 0 failed, 0 skipped'
 (WHOLE=1 && export WHOLE && tests && [ "$ran" = "$all" ])
 verdict $? "WHOLE=1 runs all"
 again "and what passed then is kept" ''
+
+# In a tree of its own a test of one list of faults runs the other list, as check-release does at the same time.
+export PLANTED="$scratch/planted"
+mkdir -p "$PLANTED/build" && cd "$PLANTED" || exit 2
+mkdir -p include src drivers tools docs tests/tools tests/view build/src build/drivers build/tools build/tests
+touch build/built_with.h build/src/a.o
+printf 'build/dynpoint:\n' >Makefile
+echo right >src/a.c
+cp -R "$here/lib" "$here/planted.sh" tests
+printf '%s\n' 'src/a.c a.sh it is wrong' '- right' '+ wrong' | tee tests/planted.txt >tests/view/planted.txt
+cat >tests/tools/a.sh <<'END'
+[ "${PWD#*/planted/tests/}" = "$PWD" ] || (cd "$PLANTED" && sh tests/planted.sh build tests/view/planted.txt >said)
+if grep -q right src/a.c; then echo "1 passed, 0 failed, 0 skipped"; else echo "0 passed, 1 failed, 0 skipped"; fi
+END
+sh tests/planted.sh build >"$scratch/out" 2>&1 && tail -n 1 said | grep -q '^4 passed, 0 failed' &&
+    tail -n 1 "$scratch/out" | grep -q '^4 passed, 0 failed'
+verdict $? "two lists of faults are planted at a time: $(tail -n 1 "$scratch/out")"
+cd "$here/.." || exit 2
+unlocked=$(grep -nE '^[^#]*make -s [^|]*\b(wasm|npm|page|docs|csharp|java-sources|crate-sources)\b' tests/*/*.sh tests/languages/*/*.sh |
+    grep -vE 'flock|"make |^tests/(bench|pictures)/|^tests/languages/ubsan.sh')
+[ -z "$unlocked" ]
+verdict $? "sources for other languages are made by one test at a time $unlocked"
 finish

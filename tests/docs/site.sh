@@ -14,7 +14,8 @@ if ! command -v doxygen >/dev/null || [ ! -e build/venv-docs/complete ]; then
     skip "the site of the pages: no doxygen or no Sphinx (make deps docs)"
     finish
 fi
-make -s docs >"$build/docs/made.log" 2>&1
+# It makes sources for other languages, whose tests compile them meanwhile.
+flock "$build/wasm.lock" make -s docs >"$build/docs/made.log" 2>&1
 verdict $? "make docs: $(tail -n 1 "$build/docs/made.log")"
 python3 -B tests/docs/site.py "$build" >"$build/docs/said"
 if command -v chromium >/dev/null 2>&1 && command -v node >/dev/null 2>&1; then
