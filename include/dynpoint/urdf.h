@@ -41,8 +41,8 @@ typedef struct dpt_urdf_def {
     uint32_t without_scene; /* 1: leave the scene's meshes and boxes out, and do not look for them; else 0 */
     const char *tool;       /* name of the link that is the tool; NULL: the only link without children */
     /*
-     * Folders in which package://NAME/rest is looked for, with ':' between them. The first of these files that exists
-     * is taken:
+     * Folders in which package://NAME/rest is looked for, with ':' between them, or ';' on Windows. The first of these
+     * files that exists is taken:
      *   1. NAME/rest in each of these folders, or rest where the folder's own name is NAME; none if NULL
      *   2. NAME/rest in the folder of the URDF, then in each folder above it
      *   3. rest in the folder of the URDF

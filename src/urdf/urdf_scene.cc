@@ -69,13 +69,17 @@ std::string percent_decoded(const std::string &text, size_t line, const std::str
     return result;
 }
 
-/* The length of the folder at `at` up to the next ':', if it begins with a drive (C:/ros); else 0. */
-size_t drive_length(const char *at)
+/* Whether a path begins at a root, and not in some folder. */
+bool is_rooted(const std::string &path)
 {
-    const bool has_letter = (*at >= 'a' && *at <= 'z') || (*at >= 'A' && *at <= 'Z');
-    return has_letter && at[1] == ':' && (at[2] == '/' || at[2] == '\\')
-               ? 2 + std::strcspn(at + 2, ":")
-               : 0;
+    return (!path.empty() && std::strchr(PATH_SEPARATORS, path[0])) ||
+           (HAS_DRIVES && drive_length(path.c_str()));
+}
+
+/* The path of file://PATH: that of file:///C:/ros begins with the drive. */
+std::string path_of_address(const std::string &path)
+{
+    return HAS_DRIVES && drive_length(path.c_str() + 1) ? path.substr(1) : path;
 }
 
 /* The path of package://REST. REST is NAME/..., `packages` as in dpt_urdf_def, `file` the URDF. */
@@ -87,19 +91,19 @@ std::string path_in_package(const std::string &rest, const std::string &file, co
     if (slash == std::string::npos || name.empty() || name == "." || name == "..")
         refuse_path(DPT_E_SYNTAX, line, owner, "package://" + rest, " names no package and file");
     for (const char *at = packages; at && *at;) {
-        size_t length = std::strcspn(at, ":"), drive = drive_length(at);
-        for (size_t count : { drive, length }) {
+        const size_t length = folder_length(at), drive = drive_length(at);
+        for (size_t count : { drive ? drive + folder_length(at + drive) : 0, length }) {
             const std::string folder(at, count);
             if (count && file_exists(folder + "/" + rest))
                 return folder + "/" + rest;
             if (count && name_of(folder) == name && file_exists(folder + rest.substr(slash)))
                 return folder + rest.substr(slash);
         }
-        at += length + (at[length] == ':');
+        at += length + (at[length] != '\0');
     }
     /* "./" comes first, so that "../" can follow a name without a folder. */
     std::string folder = folder_of(file);
-    if (!begins_with(folder, "/") && !drive_length(folder.c_str()))
+    if (!is_rooted(folder))
         folder = "./" + folder;
     for (size_t up = 0; up < 32; up++) {
         if (file_exists(folder + rest))
@@ -124,13 +128,13 @@ std::string mesh_path(const std::string &name, const std::string &file, const ch
         return path_in_package(percent_decoded(name.substr(10), line, owner), file, packages, line,
                                owner);
     if (begins_with(name, "file:///"))
-        return percent_decoded(name.substr(7), line, owner);
+        return path_of_address(percent_decoded(name.substr(7), line, owner));
     if (begins_with(name, "file://localhost/"))
-        return percent_decoded(name.substr(16), line, owner);
+        return path_of_address(percent_decoded(name.substr(16), line, owner));
     if (name.find("://") != std::string::npos)
         refuse_path(DPT_E_UNSUPPORTED, line, owner, name,
                     ": only package://NAME/..., file:///... and plain names are taken");
-    return name[0] == '/' ? name : folder_of(file) + name;
+    return is_rooted(name) ? name : folder_of(file) + name;
 }
 
 /* ---- the scene ---- */

@@ -11,6 +11,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 from pathlib import Path
 
 os.environ.setdefault("DYNPOINT_BUILD", "")
@@ -65,23 +66,42 @@ class Elsewhere(unittest.TestCase):
             scene.run()
         self.assertEqual(len(dp.Recording(self.room / "r.dpr").records), 50)
 
-    @unittest.skipUnless(os.environ.get("URDF"), "a package without urdfdom")
-    def test_a_robot_is_read_with_what_lies_beside_it(self):
+    def test_robots(self):
+        """They are read; or a package without urdfdom says so."""
+        if not os.environ.get("URDF"):
+            (self.room / "a.urdf").write_text("<robot name='a'><link name='b'/></robot>", encoding="utf-8")
+            with self.assertRaisesRegex(dp.Error, "it needs urdfdom"):
+                dp.Arm.load(self.room / "a.urdf")
+            return
         (self.room / "\u809d.obj").write_text(OBJ, encoding="utf-8")
         (self.room / "\u809d.urdf").write_text(ROBOT, encoding="utf-8")
         arm = dp.Arm.load(self.room / "\u809d.urdf")
         self.assertEqual((int(arm.info.joints), arm.joints[0].name, float(arm.joints[0].lower)), (1, b"turn", -1.0))
         self.assertEqual([(name, sorted(mesh.vertices.tolist())) for name, _, mesh in arm.bodies],
                          [("desk", sorted(VERTICES.tolist()))])
-        (self.room / "broken.urdf").write_text("<robot name='a'><link name='b'/></robot>", encoding="utf-8")
-        with self.assertRaisesRegex(dp.Error, "broken.urdf"):
-            dp.Arm.load(self.room / "broken.urdf")
+        (self.room / "\u809d2.urdf").write_text("<robot name='a'><link name='b'/></robot>", encoding="utf-8")
+        with self.assertRaisesRegex(dp.Error, "\u809d2.urdf"):
+            dp.Arm.load(self.room / "\u809d2.urdf")
 
-    @unittest.skipIf(os.environ.get("URDF"), "a package with urdfdom")
-    def test_what_the_package_lacks_is_told(self):
-        (self.room / "a.urdf").write_text("<robot name='a'><link name='b'/></robot>", encoding="utf-8")
-        with self.assertRaisesRegex(dp.Error, "it needs urdfdom"):
-            dp.Arm.load(self.room / "a.urdf")
+    @unittest.mock.patch.dict(os.environ)
+    def test_names_of_meshes_are_those_of_the_system(self):
+        if not os.environ.get("URDF"):
+            return
+        urdf, places = self.room / "robots" / "\u809d.urdf", self.room / "places"
+        mesh, shared = places / "p" / "\u809d.obj", places / "share" / "q" / "\u809d.obj"
+        urdf.parent.mkdir()
+        for path in (mesh, shared):
+            path.parent.mkdir(parents=True)
+            path.write_text(OBJ, encoding="utf-8")
+        listed = os.pathsep.join([str(self.room / "none"), str(places)])
+        os.environ["AMENT_PREFIX_PATH"] = listed
+        package = "package://p/\u809d.obj"
+        for filename, *options in ((str(mesh),), (mesh.as_posix(),), (mesh.as_uri(),), ("../places/p/\u809d.obj",),
+                                   (package, "--packages", listed), (package, "--packages", f"{places / 'p'}{os.sep}"),
+                                   ("package://q/\u809d.obj",)):
+            urdf.write_text(ROBOT.replace("\u809d.obj", filename), encoding="utf-8")
+            with self.subTest(filename=filename):
+                self.assertEqual([name for name, *_ in dp.Arm.load(urdf, *options).bodies], ["desk"])
 
     def test_environments_on_three_threads_are_those_of_one(self):
         forces = []

@@ -8,6 +8,7 @@
 #include "built_with.h"
 #include "cli/json_text.h"
 #include "scene/host_file.h"
+#include "text/open_file.h"
 
 #ifdef DPT_HAS_URDF
 #include "dynpoint/urdf.h"
@@ -42,14 +43,14 @@ static void show_note(void *user, uint64_t line, const char *text)
         fprintf(stderr, "%s: note: %s\n", (const char *)user, text);
 }
 
-/* Append the folders of a list, with ':' between them, each with an ending. `to` has room. */
+/* Append the folders of a list (folder_length), with ':' between them, each with an ending. `to` has room. */
 static void add_folders(char *to, const char *folders, const char *ending)
 {
     for (const char *at = folders ? folders : ""; *at;) {
-        const size_t length = strcspn(at, ":");
+        const size_t length = folder_length(at);
         if (length)
             sprintf(to + strlen(to), "%s%.*s%s", *to ? ":" : "", (int)length, at, ending);
-        at += length + (at[length] == ':');
+        at += length + (at[length] != '\0');
     }
 }
 
@@ -60,7 +61,7 @@ static char *package_folders(const char *given)
     const char *ros = getenv("ROS_PACKAGE_PATH"), *ament = getenv("AMENT_PREFIX_PATH");
     size_t size = 3 + (given ? strlen(given) : 0) + (ros ? strlen(ros) : 0);
     for (const char *at = ament ? ament : ""; *at; at++)
-        size += 1 + (at[0] == ':' || !at[1] ? sizeof share : 0);
+        size += 1 + (at[0] == ':' || at[0] == ';' || !at[1] ? sizeof share : 0);
     char *folders = calloc(1, size);
     if (folders) {
         add_folders(folders, given, "");

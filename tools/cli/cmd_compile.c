@@ -58,9 +58,9 @@ static const char help[] =
     "                  `sphere X Y Z R E DENSITY DRAG`, or `fixed` in place of the last three\n"
     "  --fixed FILE    numbers of vertices of the source, from 0, that do not move\n"
     "  --tool LINK     of a URDF: the link that is the tool; default: the only one without children\n"
-    "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them; then\n"
-    "                  those of ROS_PACKAGE_PATH, the share folders of AMENT_PREFIX_PATH, and those above\n"
-    "                  the file are looked at\n"
+    "  --packages DIRS of a URDF: folders that hold the packages of package://, ':' between them (Windows:\n"
+    "                  ';'); then those of ROS_PACKAGE_PATH, the share folders of AMENT_PREFIX_PATH, and\n"
+    "                  those above the file are looked at\n"
     "  --skip LINK     of a URDF: leave out the collision shapes of this link; may be given several times\n"
     "  --without-scene of a URDF: leave out the meshes and boxes that stand still\n";
 

@@ -34,7 +34,7 @@ class Arm(_dynpoint.Arm):
             return cls(content)
         with TemporaryDirectory() as room:
             made = Path(room, "arm.dpa")
-            ran = subprocess.run([PROGRAM, "compile", path, "-o", made, *options], text=True,
+            ran = subprocess.run([PROGRAM, "compile", path, "-o", made, *options], encoding="utf-8", errors="replace",
                                  capture_output=True)
             if ran.returncode:
                 raise _dynpoint.Error(ran.stderr.strip().removeprefix("dynpoint compile: "))
