@@ -37,8 +37,9 @@ typedef struct dpt_springs dpt_springs;
  *               time, but for damping. A step that is too long for it is cut into equal substeps
  *   EULER       the paper's: positions with the old speeds. Gains energy where damping does not take it away. Cut into
  *               substeps as well
- *   IMPLICIT    stable for any stiffness and step, in one substep, or in min_substeps. Energy grows by no more than the work of loads and
- *               gravity. What is faster than the step is damped. It costs iterations + 2 times a substep of the others
+ *   IMPLICIT    stable for any stiffness and step, in one substep, or in min_substeps. Energy grows by no more than the
+ *               work of loads and gravity. What is faster than the step is damped. It costs iterations + 2 times a
+ *               substep of the others
  */
 enum { DPT_INTEGRATOR_SYMPLECTIC = 0, DPT_INTEGRATOR_EULER = 1, DPT_INTEGRATOR_IMPLICIT = 2 };
 

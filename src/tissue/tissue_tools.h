@@ -7,7 +7,8 @@
 
 /*
  * All tools whose proxies are within `reach`, m, and their own motion, of a body of the solve, and their touches. Where a
- * device leaps past so much surface that a tick has no time for it, they are those that are nearer, at least within `least`, and solve->is_cut is 1.
+ * device leaps past so much surface that a tick has no time for it, they are those that are nearer, at least within
+ * `least`, and solve->is_cut is 1.
  */
 void dpti_tissue_gather(struct tissue_solve *solve, struct dpt_world *world, double reach, double least);
 

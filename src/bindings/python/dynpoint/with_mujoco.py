@@ -124,8 +124,8 @@ class Touch:
 
     def __init__(self, model: Any, data: Any, *, tool: str, flexes: Sequence[str] = (), geoms: Sequence[str] = (),
                  ticks: int = 1, load_radius: float = 0.0, compliance: Optional[Dict[str, float]] = None,
-                 foresees: Optional[Sequence[str]] = None, world: Optional[Dict[str, Any]] = None, tool_settings: Optional[Dict[str, Any]] = None,
-                 max_points: int = 16, **settings: Any) -> None:
+                 foresees: Optional[Sequence[str]] = None, world: Optional[Dict[str, Any]] = None,
+                 tool_settings: Optional[Dict[str, Any]] = None, max_points: int = 16, **settings: Any) -> None:
         mujoco.mj_forward(model, data)
         self.model, self.data, self.ticks = model, data, ticks
         self.dt = model.opt.timestep / ticks
