@@ -75,8 +75,9 @@ typedef struct dpt_springs_def {
     uint32_t max_substeps; /* of SYMPLECTIC and EULER in a step, 1..65535; 16 */
     uint32_t kernel;       /* DPT_KERNEL_...; DPT_KERNEL_AUTO */
     /*
-     * Substeps of a step, 0..65535: at least so many, and of IMPLICIT just so many. Of a long step many substeps of few
-     * iterations are nearer to the truth than one of many, at the same cost. 0: as few as are stable; 0
+     * Substeps of a step, 0..65535: of SYMPLECTIC and EULER at least so many, and no more than max_substeps; of IMPLICIT
+     * just so many. Of a long step many substeps of few iterations are nearer to the truth than one of many, at the same
+     * cost. 0: as few as are stable; 0
      */
     uint32_t min_substeps;
     uint32_t reserved_word; /* 0 */

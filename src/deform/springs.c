@@ -53,7 +53,8 @@ dpt_result dpti_springs_read_def(const dpt_springs_def *given, dpt_springs_def *
     for (int k = 0; k < 3; k++)
         if (!is_in(def->gravity[k], -GRAVITY_MAX, GRAVITY_MAX))
             return DPT_E_ARGUMENT;
-    if (def->reserved || def->reserved_pointer || def->reserved_word || def->min_substeps > COUNT_MAX ||
+    const uint32_t substeps = def->integrator == DPT_INTEGRATOR_IMPLICIT ? COUNT_MAX : def->max_substeps;
+    if (def->reserved || def->reserved_pointer || def->reserved_word || def->min_substeps > substeps ||
         def->max_loads < 1 || def->max_loads > LOADS_MAX || def->integrator > DPT_INTEGRATOR_IMPLICIT ||
         !is_in(def->stiffness, SCALE_MIN, SCALE_MAX) || !is_in(def->contact_stiffness, 0.0, CONTACT_MAX) ||
         !is_in(def->sleep_speed, 0.0, SLEEP_MAX) || def->sleep_steps < 2 || def->sleep_steps > COUNT_MAX ||

@@ -75,8 +75,15 @@ static void defs_are_checked(void)
     def.reserved_word = 1;
     CHECK(create(&net, &def) == DPT_E_ARGUMENT, "reserved_word");
     def = good;
+    def.integrator = DPT_INTEGRATOR_IMPLICIT;
     def.min_substeps = 65536;
     CHECK(create(&net, &def) == DPT_E_ARGUMENT, "min_substeps");
+    def.min_substeps = 17;
+    CHECK(create(&net, &def) == DPT_OK, "17 substeps of IMPLICIT, which max_substeps does not bound");
+    def.integrator = DPT_INTEGRATOR_SYMPLECTIC;
+    CHECK(create(&net, &def) == DPT_E_ARGUMENT, "17 substeps at least, and 16 at most");
+    def.min_substeps = 16;
+    CHECK(create(&net, &def) == DPT_OK, "16 substeps at least and at most");
     def = good;
     def.kernel = 77;
     CHECK(create(&net, &def) == DPT_E_UNSUPPORTED, "kernel");
