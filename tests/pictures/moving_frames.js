@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frames of a picture that moves, each as a WebP of what has changed. img2webp compares each frame with the one before,
-// so what changes slowly is never sent, and blocks of old frames stay. Here a block is compared with what was sent of it.
+// so what changes slowly is never sent, and blocks of old frames stay. Here a block is compared with what was sent of it,
+// and with what is seen of that: an edge bleeds into the blocks beside it, and stays there when it has gone.
 "use strict";
 const fs = require("fs");
 
@@ -9,6 +10,7 @@ const fs = require("fs");
 async function changedPart(png, quality) {
   const BLOCK = 16; // pixels along each side, as of the format's own blocks
   const SAME = 1; // of 255: a channel that differs by no more has not changed
+  const LOSS = 32; // likewise of what is seen: the rest is the format's
   const image = new Image();
   image.src = `data:image/png;base64,${png}`;
   await image.decode();
@@ -19,6 +21,7 @@ async function changedPart(png, quality) {
   const mask = new ImageData(width, height);
   const isFirst = !window.sent;
   window.sent ??= new Uint8ClampedArray(frame.data);
+  window.seen ??= new Uint8ClampedArray(frame.data);
   const box = { left: width, top: height, right: 0, bottom: 0 };
   const rows = (x, y, use) => {
     const wide = 4 * Math.min(BLOCK, width - x);
@@ -27,31 +30,40 @@ async function changedPart(png, quality) {
   const blocks = [];
   for (let y = 0; y < height; y += BLOCK)
     for (let x = 0; x < width; x += BLOCK) {
-      let most = isFirst ? 255 : 0;
+      let [most, lost] = isFirst ? [255, 0] : [0, 0];
       rows(x, y, (at, wide) => {
-        for (let i = at; i < at + wide; i++) most = Math.max(most, Math.abs(frame.data[i] - window.sent[i]));
+        for (let i = at; i < at + wide; i++) {
+          most = Math.max(most, Math.abs(frame.data[i] - window.sent[i]));
+          lost = Math.max(lost, Math.abs(frame.data[i] - window.seen[i]));
+        }
       });
-      blocks.push({ x, y, hasChanged: most > SAME });
-      if (most > SAME) {
-        rows(x, y, (at, wide) => {
-          window.sent.set(frame.data.subarray(at, at + wide), at);
-          mask.data.fill(255, at, at + wide);
-        });
-        Object.assign(box, { left: Math.min(box.left, x), top: Math.min(box.top, y) });
-        Object.assign(box, { right: Math.max(box.right, x + BLOCK), bottom: Math.max(box.bottom, y + BLOCK) });
-      }
+      blocks.push({ x, y, most, lost });
     }
-  const changed = blocks.filter(({ hasChanged }) => hasChanged);
-  const isNear = ({ x, y }, one) => Math.max(Math.abs(one.x - x), Math.abs(one.y - y)) <= BLOCK;
+  const near = (list, { x, y }) => list.some(one => Math.max(Math.abs(one.x - x), Math.abs(one.y - y)) <= BLOCK);
+  const others = blocks.filter(({ most }) => most > SAME);
+  const changed = blocks.filter(block => block.most > SAME || (block.lost > LOSS && near(others, block)));
+  for (const { x, y } of changed) {
+    rows(x, y, (at, wide) => {
+      window.sent.set(frame.data.subarray(at, at + wide), at);
+      mask.data.fill(255, at, at + wide);
+    });
+    Object.assign(box, { left: Math.min(box.left, x), top: Math.min(box.top, y) });
+    Object.assign(box, { right: Math.max(box.right, x + BLOCK), bottom: Math.max(box.bottom, y + BLOCK) });
+  }
   for (const block of blocks)
-    if (!changed.some(one => isNear(block, one)))
-      rows(block.x, block.y, (at, wide) => frame.data.fill(255, at, at + wide)); // costs nothing
+    if (!near(changed, block)) rows(block.x, block.y, (at, wide) => frame.data.fill(255, at, at + wide)); // costs nothing
   if (box.right === 0) Object.assign(box, { left: 0, top: 0, right: BLOCK, bottom: BLOCK }); // nothing: a clear corner
   const size = [Math.min(width, box.right) - box.left, Math.min(height, box.bottom) - box.top];
+  const see = shown => {
+    context.drawImage(shown, box.left, box.top);
+    const { data } = context.getImageData(0, 0, width, height);
+    for (const { x, y } of changed) rows(x, y, (at, wide) => window.seen.set(data.subarray(at, at + wide), at));
+  };
   const encode = async image => {
     const part = new OffscreenCanvas(...size);
     part.getContext("2d").putImageData(image, -box.left, -box.top);
     const blob = await part.convertToBlob({ type: "image/webp", quality });
+    if (image === frame) see(await createImageBitmap(blob));
     const url = await new Promise(done => {
       const reader = new FileReader();
       reader.onload = () => done(reader.result);
