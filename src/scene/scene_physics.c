@@ -14,6 +14,13 @@ enum { VERTICES_OF_POINT = 256, LOADS_MIN = 2048, NODES_OF_VERTEX = 4 };
 /* s: in longer steps of physics, volumes look ahead as well. */
 #define FORESEEN_PERIOD 3e-3
 
+/* Whether its cells have terms for their volume: springs alone have a ratio of 1/4. */
+static int keeps_volume(const dpt_mesh *mesh)
+{
+    dpt_mesh_info info = { .size = sizeof info };
+    return dpt_mesh_get_info(mesh, &info) == DPT_OK && fabs(info.poisson - 0.25) > 1e-12;
+}
+
 static dpt_result open_nodes(struct soft_exchange *exchange, const dpt_mesh *mesh)
 {
     const float *rest;
@@ -47,8 +54,11 @@ dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *me
         answer->vertices = calloc(3 * (size_t)exchange->vertex_count, sizeof(float));
         answer->loads.load = calloc(exchange->loads_room, sizeof(dpt_load));
         exchange->loads[i].load = calloc(exchange->loads_room, sizeof(dpt_load));
-        /* Of a sheet the nodes are light. A body that has volume is held without, at half of the cost, but it lags. */
-        const int foresees = has_compliance && (!exchange->embedding || period > FORESEEN_PERIOD);
+        /*
+         * Of a sheet the nodes are light. A body that has volume is held without, at half of the cost, but it lags; not
+         * where its cells keep their volume.
+         */
+        const int foresees = has_compliance && (!exchange->embedding || period > FORESEEN_PERIOD || keeps_volume(mesh));
         answer->foreseen = foresees ? calloc(3 * (size_t)exchange->vertex_count, sizeof(float)) : NULL;
         if ((foresees && !answer->foreseen) || !answer->vertices || !answer->loads.load || !exchange->loads[i].load)
             result = DPT_E_MEMORY;

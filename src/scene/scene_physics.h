@@ -60,7 +60,7 @@ struct soft_exchange {
  * Of a mesh with springs, which stays open. DPT_E_MEMORY: memory ran out. Close it also after a failure.
  *   max_points       of the body's dpt_deformable_def
  *   has_compliance   1: its compliance is above 0
- *   period           s: of a step of physics. Sheets look ahead, and in long steps volumes do
+ *   period           s: of a step of physics. Sheets look ahead; so do volumes in long steps, or with a ratio other than 1/4
  */
 dpt_result soft_exchange_open(struct soft_exchange *exchange, const dpt_mesh *mesh, uint32_t max_points,
                               int has_compliance, double period);
