@@ -133,6 +133,8 @@ static void draw_def(struct given_def *of)
     of->def.iterations = 1 + draw_below(12);
     of->def.max_substeps = 1 + draw_below(100);
     of->def.min_substeps = is_of_today && draw_one_in(2) ? draw_below(9) : 0;
+    may_fail(&of->codes, of->def.integrator != DPT_INTEGRATOR_IMPLICIT && of->def.min_substeps > of->def.max_substeps,
+             DPT_E_ARGUMENT);
     of->def.max_loads = 1 + draw_below(200);
     if (draw_one_in(2))
         of->def.gravity[draw_below(3)] = draw_in(-10.0, 10.0);
