@@ -121,17 +121,10 @@ double needle_tip(const struct needle_rig *needle)
 
 uint32_t needle_channels(const struct needle_rig *needle, dpt_channel *channels, uint32_t capacity)
 {
-    uint32_t count = 0;
-    if (capacity)
-        channels->size = sizeof *channels;
-    CHECK(dpt_tool_get_channels(needle->rig.world, needle->rig.tool, channels, capacity, &count) == DPT_OK, "channels");
-    return count;
+    return rig_channels(&needle->rig, needle->rig.tool, channels, capacity);
 }
 
 dpt_channel needle_channel(const struct needle_rig *needle)
 {
-    dpt_channel channel = { .size = sizeof channel };
-    const uint32_t count = needle_channels(needle, &channel, 1);
-    CHECK(count == 1, "%u channels", count);
-    return channel;
+    return rig_channel(&needle->rig, needle->rig.tool);
 }

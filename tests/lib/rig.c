@@ -175,6 +175,23 @@ void rig_proxy_ends(const struct rig *rig, uint32_t segment, double ends[6])
     pose_ends(&rig->proxy, &rig->segments[segment], ends);
 }
 
+uint32_t rig_channels(const struct rig *rig, dpt_tool tool, dpt_channel *channels, uint32_t capacity)
+{
+    uint32_t count = 0;
+    if (capacity)
+        channels->size = sizeof *channels;
+    CHECK(dpt_tool_get_channels(rig->world, tool, channels, capacity, &count) == DPT_OK, "no channels");
+    return count;
+}
+
+dpt_channel rig_channel(const struct rig *rig, dpt_tool tool)
+{
+    dpt_channel channel = { .size = sizeof channel };
+    const uint32_t count = rig_channels(rig, tool, &channel, 1);
+    CHECK(count == 1, "%u channels", count);
+    return channel;
+}
+
 void rig_vary_at(struct rig_line at, const struct rig *rig, uint64_t *seed)
 {
     static const double stiffness[] = { 50, 500, 3000, 1e5 };

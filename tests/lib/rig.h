@@ -59,6 +59,11 @@ double rig_force(const struct rig *rig);
 /* A segment of the proxy in the world, as two ends. */
 void rig_proxy_ends(const struct rig *rig, uint32_t segment, double ends[6]);
 
+/* The channels of a tool, as many as there is room for. Returns how many it has. */
+uint32_t rig_channels(const struct rig *rig, dpt_tool tool, dpt_channel *channels, uint32_t capacity);
+/* The only one. */
+dpt_channel rig_channel(const struct rig *rig, dpt_tool tool);
+
 /* These are called by the macros below, which say where: rig_open(&rig, ...). */
 struct rig_line {
     const char *file;

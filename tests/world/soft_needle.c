@@ -135,19 +135,12 @@ void soft_needle_hold(struct soft_needle *needle, int ticks)
 
 uint32_t soft_needle_channels(const struct soft_needle *needle, dpt_channel *all, uint32_t capacity)
 {
-    uint32_t count = 0;
-    if (capacity)
-        all->size = sizeof *all;
-    CHECK(dpt_tool_get_channels(needle->tissue.rig.world, needle->tool->id, all, capacity, &count) == DPT_OK, "none");
-    return count;
+    return rig_channels(&needle->tissue.rig, needle->tool->id, all, capacity);
 }
 
 dpt_channel soft_needle_channel(const struct soft_needle *needle)
 {
-    dpt_channel channel = { .size = sizeof channel };
-    const uint32_t count = soft_needle_channels(needle, &channel, 1);
-    CHECK(count == 1, "%u channels", count);
-    return channel;
+    return rig_channel(&needle->tissue.rig, needle->tool->id);
 }
 
 /* m: from the entry, where the triangle and its weights have it, to the axis where the tool's spring ends. */
